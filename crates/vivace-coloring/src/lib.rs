@@ -1,0 +1,1 @@
+//! Parallel graph colourings with certificates. Part of Vivace, useful alone.

@@ -1,0 +1,1 @@
+//! Runs Vivace kernels on the CPU with rayon.
