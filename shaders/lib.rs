@@ -1,1 +1,20 @@
-//! Kernels.
+//! The kernels of Vivace, and the interface of whatever runs them.
+//!
+//! An algorithm is a schedule of kernels, written once over a [`Backend`]. A [`Kernel`] is a *gather*: invocation `i` reads
+//! what it likes and writes element `i` of one array, so neither the number of threads nor their order can show in a result.
+//! Randomness is a hash of (seed, round, vertex), see [`pcg`]; no generator state passes from vertex to vertex.
+//!
+//! The Rust function here is the definition of its kernel: plain loops over `u32` and `f32`, nothing that WGSL could not say.
+
+mod backend;
+mod kernel;
+
+#[path = "coloring/mod.rs"]
+pub mod coloring;
+#[path = "common/pcg.rs"]
+pub mod pcg;
+
+pub use backend::{Backend, RoundCount, View};
+pub use kernel::{
+    Element, Host, HostViews, Inputs, Kernel, Map, Memory, Select, Update, ViewVisitor, Views,
+};

@@ -1,1 +1,137 @@
-//! Runs Vivace kernels on the CPU with rayon.
+//! Runs Vivace kernels on the CPU.
+//!
+//! [`Cpu`] takes the rayon pool it is called in: `pool.install(|| …)` chooses the threads, and outside any pool rayon's global
+//! one serves. [`Cpu::serial`] never touches rayon. The answers are the same, bit for bit.
+
+mod list;
+
+use rayon::prelude::*;
+use vivace_kernels::{Backend, Element, Host, Map, RoundCount, Select, Update, View, Views};
+
+pub use list::List;
+
+/// The CPU as a [`Backend`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cpu {
+    /// Runs of fewer elements than this stay on the calling thread.
+    grain: usize,
+}
+
+impl Cpu {
+    /// Runs on the threads of the rayon pool that it is called in.
+    #[must_use]
+    pub const fn new() -> Self {
+        // Waking another thread costs microseconds: the work of about a thousand vertices.
+        Self { grain: 1024 }
+    }
+
+    /// Runs on the calling thread alone.
+    #[must_use]
+    pub const fn serial() -> Self {
+        Self { grain: usize::MAX }
+    }
+
+    /// Runs `work` inside the pool, so that its many short runs are not each handed over from outside.
+    pub fn enter<R: Send>(self, work: impl FnOnce() -> R + Send) -> R {
+        if self.grain == usize::MAX { work() } else { rayon::scope(|_| work()) }
+    }
+
+    /// How many pieces to cut `len` elements into: some more than there are threads, so that uneven pieces even out.
+    fn n_pieces(self, len: usize) -> usize {
+        if len <= self.grain { 1 } else { (len / (self.grain / 2)).min(8 * rayon::current_num_threads()) }
+    }
+}
+
+impl Default for Cpu {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Backend for Cpu {
+    type Memory = Host;
+    type Buffer<T: Element> = Vec<T>;
+    type List = List;
+
+    fn filled<T: Element>(&self, len: usize, value: T) -> Vec<T> {
+        vec![value; len]
+    }
+
+    fn view<'a, T: Element>(&self, buffer: &'a Vec<T>) -> View<'a, Self, T> {
+        buffer
+    }
+
+    fn read<T: Element>(&self, buffer: Vec<T>) -> Vec<T> {
+        buffer
+    }
+
+    fn all(&self, len: usize) -> List {
+        List::all(len)
+    }
+
+    fn map<K: Map>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        output: &mut Vec<K::Output>,
+    ) {
+        list.for_each_element(self.n_pieces(list.len()), output, |i, element| {
+            *element = K::map(i, uniform, inputs);
+        });
+    }
+
+    fn update<K: Update>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        state: &mut Vec<K::State>,
+    ) {
+        // Gathered aside, then scattered: the host has no way to read and write one array from many threads.
+        let n_pieces = self.n_pieces(list.len());
+        let update = |&i: &u32| K::update(i, uniform, inputs, state);
+        let updated: Vec<K::State> = if n_pieces == 1 {
+            list.indices().iter().map(update).collect()
+        } else {
+            list.indices().par_iter().with_min_len(list.len().div_ceil(n_pieces)).map(update).collect()
+        };
+        list.scatter(n_pieces, &updated, state);
+    }
+
+    fn update_in_order<K: Update>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        state: &mut Vec<K::State>,
+    ) {
+        for &i in list.indices() {
+            state[i as usize] = K::update(i, uniform, inputs, state);
+        }
+    }
+
+    fn select<K: Select>(
+        &self,
+        list: &mut List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+    ) -> List {
+        list.split_off(self.n_pieces(list.len()), |i| K::select(i, uniform, inputs))
+    }
+
+    fn rounds(
+        &self,
+        limit: u32,
+        list: &mut List,
+        mut round: impl FnMut(u32, &mut List),
+    ) -> RoundCount {
+        let mut count = RoundCount::default();
+        while !list.is_empty() && count.rounds < limit {
+            count.visits += list.len() as u64;
+            round(count.rounds, list);
+            count.rounds += 1;
+        }
+        count
+    }
+}

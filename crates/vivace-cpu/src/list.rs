@@ -1,0 +1,140 @@
+//! A list of element indices, ascending. Because it ascends, a piece of it owns a stretch of any array, and pieces can write to
+//! their stretches at the same time without locks, atomics or `unsafe`.
+
+use rayon::prelude::*;
+
+/// Element indices in strictly ascending order.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct List {
+    indices: Vec<u32>,
+}
+
+impl List {
+    /// All indices below `len`.
+    ///
+    /// # Panics
+    /// Where `len` does not fit 32 bits; graphs are checked for that when they are made.
+    #[must_use]
+    pub fn all(len: usize) -> Self {
+        let len = u32::try_from(len).unwrap_or_else(|_| panic!("{len} elements: indices are 32-bit"));
+        Self { indices: (0..len).collect() }
+    }
+
+    /// The indices in any order, sorted and each once.
+    #[must_use]
+    pub fn from_unsorted(mut indices: Vec<u32>) -> Self {
+        indices.sort_unstable();
+        indices.dedup();
+        Self { indices }
+    }
+
+    /// The indices, ascending.
+    #[must_use]
+    pub fn indices(&self) -> &[u32] {
+        &self.indices
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.indices.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    /// Calls `f(i, &mut array[i])` for each index.
+    pub(crate) fn for_each_element<T: Send>(
+        &self,
+        n_pieces: usize,
+        array: &mut [T],
+        f: impl Fn(u32, &mut T) + Sync,
+    ) {
+        pieces(&self.indices, n_pieces, array, 0, 0, &|_, indices, stretch, first| {
+            for &i in indices {
+                f(i, &mut stretch[i as usize - first]);
+            }
+        });
+    }
+
+    /// Writes `values[k]` to element `indices[k]`.
+    pub(crate) fn scatter<T: Copy + Send + Sync>(&self, n_pieces: usize, values: &[T], array: &mut [T]) {
+        pieces(&self.indices, n_pieces, array, 0, 0, &|start, indices, stretch, first| {
+            for (&i, &value) in indices.iter().zip(&values[start..]) {
+                stretch[i as usize - first] = value;
+            }
+        });
+    }
+
+    /// Removes the indices that `selects` and returns them; both keep their order.
+    pub(crate) fn split_off(&mut self, n_pieces: usize, selects: impl Fn(u32) -> bool + Sync) -> Self {
+        let split = |piece: &[u32]| -> (Vec<u32>, Vec<u32>) { piece.iter().partition(|&&i| selects(i)) };
+        if n_pieces == 1 {
+            let (selected, kept) = split(&self.indices);
+            self.indices = kept;
+            return Self { indices: selected };
+        }
+        let parts: Vec<_> =
+            self.indices.par_chunks(self.indices.len().div_ceil(n_pieces)).map(split).collect();
+        let (mut selected, mut kept) = (Vec::new(), Vec::new());
+        rayon::join(
+            || selected = parts.iter().flat_map(|part| &part.0).copied().collect(),
+            || kept = parts.iter().flat_map(|part| &part.1).copied().collect(),
+        );
+        self.indices = kept;
+        Self { indices: selected }
+    }
+}
+
+/// Cuts `indices` into `n_pieces` and `array` into the stretches they own, and calls
+/// `f(position of the piece in the list, piece, stretch, index of the stretch's first element)` for each, in parallel.
+fn pieces<T: Send>(
+    indices: &[u32],
+    n_pieces: usize,
+    array: &mut [T],
+    start: usize,
+    first: usize,
+    f: &(impl Fn(usize, &[u32], &mut [T], usize) + Sync),
+) {
+    if n_pieces < 2 || indices.len() < 2 {
+        return f(start, indices, array, first);
+    }
+    let middle = indices.len() / 2;
+    let (left, right) = indices.split_at(middle);
+    let boundary = right[0] as usize;
+    let (left_array, right_array) = array.split_at_mut(boundary - first);
+    rayon::join(
+        || pieces(left, n_pieces / 2, left_array, start, first, f),
+        || pieces(right, n_pieces - n_pieces / 2, right_array, start + middle, boundary, f),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splitting_keeps_order_whatever_the_pieces() {
+        for n_pieces in [1, 2, 7, 64] {
+            let mut list = List::all(1000);
+            let threes = list.split_off(n_pieces, |i| i % 3 == 0);
+            assert_eq!(threes.indices(), (0..1000).step_by(3).collect::<Vec<_>>());
+            assert_eq!(list.indices(), (0..1000).filter(|i| i % 3 != 0).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn scattering_touches_its_elements_only() {
+        for n_pieces in [1, 2, 7, 64] {
+            let list = List::from_unsorted(vec![9, 4, 4, 7, 0]);
+            let mut array = vec![-1; 11];
+            list.scatter(n_pieces, &[10, 20, 30, 40], &mut array);
+            assert_eq!(array, [10, -1, -1, -1, 20, -1, -1, 30, -1, 40, -1]);
+            list.for_each_element(n_pieces, &mut array, |i, element| *element += i as i32);
+            assert_eq!(array, [10, -1, -1, -1, 24, -1, -1, 37, -1, 49, -1]);
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What runs kernels.
+
+use crate::{Element, Map, Memory, Select, Update, Views};
+
+/// Runs kernels over arrays that it keeps.
+///
+/// A *list* is a set of element indices, the domain of every run: the uncolored vertices, one color class. Its length may be
+/// known to a device only, so a schedule says "until empty" ([`Backend::rounds`]) instead of looking.
+pub trait Backend {
+    /// Where arrays live.
+    type Memory: Memory;
+    /// An array of `T`, owned.
+    type Buffer<T: Element>;
+    /// A set of element indices.
+    type List: Clone;
+
+    /// An array of `len` times `value`.
+    fn filled<T: Element>(&self, len: usize, value: T) -> Self::Buffer<T>;
+
+    /// A view of an array.
+    fn view<'a, T: Element>(&self, buffer: &'a Self::Buffer<T>) -> View<'a, Self, T>;
+
+    /// The array, on the host.
+    fn read<T: Element>(&self, buffer: Self::Buffer<T>) -> Vec<T>;
+
+    /// The list of all indices below `len`.
+    fn all(&self, len: usize) -> Self::List;
+
+    /// Writes element `i` of `output` for each `i` in `list`.
+    fn map<K: Map>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        output: &mut Self::Buffer<K::Output>,
+    );
+
+    /// Updates element `i` of `state` for each `i` in `list`, all at once.
+    fn update<K: Update>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        state: &mut Self::Buffer<K::State>,
+    );
+
+    /// As [`Backend::update`], one after another in ascending order: each sees what those before it wrote.
+    fn update_in_order<K: Update>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        state: &mut Self::Buffer<K::State>,
+    );
+
+    /// Takes out of `list` what `K` selects, and returns it.
+    fn select<K: Select>(
+        &self,
+        list: &mut Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+    ) -> Self::List;
+
+    /// Runs `round` with 0, 1, … until `list` is empty or `limit` rounds have run; returns how many ran and, over all of them,
+    /// how many elements the list held at their beginning.
+    fn rounds(
+        &self,
+        limit: u32,
+        list: &mut Self::List,
+        round: impl FnMut(u32, &mut Self::List),
+    ) -> RoundCount;
+}
+
+/// A view in the memory of backend `B`.
+pub type View<'a, B, T> = <<B as Backend>::Memory as Memory>::View<'a, T>;
+
+/// What a loop over rounds did: the same on every machine.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct RoundCount {
+    /// Rounds run.
+    pub rounds: u32,
+    /// Sum over the rounds of the elements that were in the list when the round began.
+    pub visits: u64,
+}

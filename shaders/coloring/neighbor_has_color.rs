@@ -1,0 +1,31 @@
+//! Luby's exclusion: a vertex leaves the contest for a color that a neighbor has got.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::row;
+use crate::{HostViews, Kernel, Select};
+
+/// The vertices of the list that have a neighbor of one color; reads (offsets, neighbors, color).
+#[derive(Debug)]
+pub struct NeighborHasColor;
+
+/// Parameters of [`NeighborHasColor`].
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct NeighborHasColorUniform {
+    /// The color.
+    pub color: u32,
+}
+
+impl Kernel for NeighborHasColor {
+    const NAME: &'static str = "neighbor_has_color";
+    type Uniform = NeighborHasColorUniform;
+    type Inputs = (u32, u32, u32);
+}
+
+impl Select for NeighborHasColor {
+    #[inline]
+    fn select(v: u32, uniform: &Self::Uniform, (offsets, neighbors, color): HostViews<'_, Self>) -> bool {
+        row(v, offsets, neighbors).iter().any(|&u| color[u as usize] == uniform.color)
+    }
+}

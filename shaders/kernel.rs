@@ -1,0 +1,100 @@
+//! What a kernel is.
+
+use bytemuck::Pod;
+
+/// What an array may hold: plain data that any thread may read.
+pub trait Element: Pod + Send + Sync {}
+impl<T: Pod + Send + Sync> Element for T {}
+
+/// Where a backend keeps its data, and what a read-only view of an array is there.
+pub trait Memory: 'static {
+    /// A read-only view of an array of `T`.
+    type View<'a, T: Element>: Copy + Send + Sync;
+}
+
+/// The host's own memory: a view is a slice.
+#[derive(Debug)]
+pub struct Host;
+
+impl Memory for Host {
+    type View<'a, T: Element> = &'a [T];
+}
+
+/// One kernel: a function of an index, a few parameters and some read-only arrays. It comes in three forms, by what it writes:
+/// [`Map`], [`Update`], [`Select`].
+pub trait Kernel: 'static {
+    /// The kernel's one name: file stem, function, entry point, row in a timing table.
+    const NAME: &'static str;
+    /// Parameters, the same for every invocation; `()` where there are none.
+    type Uniform: Element;
+    /// Element types of the read-only arrays: a tuple, in binding order.
+    type Inputs: Inputs;
+}
+
+/// A kernel that computes element `i` of an array that it does not read.
+pub trait Map: Kernel {
+    /// Element type of the array written.
+    type Output: Element;
+    /// The value of element `i`.
+    fn map(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>) -> Self::Output;
+}
+
+/// A kernel that computes element `i` of an array that it also reads. Invocations of one run read no element that another of
+/// them writes: the elements of an independent set read their neighbors and themselves.
+pub trait Update: Kernel {
+    /// Element type of the array read and written.
+    type State: Element;
+    /// The new value of element `i`.
+    fn update(
+        i: u32,
+        uniform: &Self::Uniform,
+        inputs: HostViews<'_, Self>,
+        state: &[Self::State],
+    ) -> Self::State;
+}
+
+/// A kernel that decides whether element `i` moves from one list to another.
+pub trait Select: Kernel {
+    /// Whether `i` is selected.
+    fn select(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>) -> bool;
+}
+
+/// The views that kernel `K` takes, in memory `M`.
+pub type Views<'a, K, M> = <<K as Kernel>::Inputs as Inputs>::Views<'a, M>;
+/// The slices that kernel `K` takes on the host.
+pub type HostViews<'a, K> = Views<'a, K, Host>;
+
+/// A tuple of element types, one for each array that a kernel reads.
+pub trait Inputs: 'static {
+    /// The tuple of views.
+    type Views<'a, M: Memory>: Copy + Send + Sync;
+
+    /// Shows each view to `visitor`, in binding order: how a device binds them.
+    fn visit<'a, M: Memory>(views: Self::Views<'a, M>, visitor: &mut impl ViewVisitor<'a, M>);
+}
+
+/// Takes the views of a kernel's inputs one by one.
+pub trait ViewVisitor<'a, M: Memory> {
+    /// The next view, in binding order.
+    fn view<T: Element>(&mut self, view: M::View<'a, T>);
+}
+
+macro_rules! inputs {
+    ($($element:ident $view:ident),*) => {
+        impl<$($element: Element),*> Inputs for ($($element,)*) {
+            type Views<'a, M: Memory> = ($(M::View<'a, $element>,)*);
+
+            #[allow(unused_variables, clippy::unused_unit, reason = "the empty tuple")]
+            fn visit<'a, M: Memory>(($($view,)*): Self::Views<'a, M>, visitor: &mut impl ViewVisitor<'a, M>) {
+                $(visitor.view::<$element>($view);)*
+            }
+        }
+    };
+}
+inputs!();
+inputs!(A a);
+inputs!(A a, B b);
+inputs!(A a, B b, C c);
+inputs!(A a, B b, C c, D d);
+inputs!(A a, B b, C c, D d, E e);
+inputs!(A a, B b, C c, D d, E e, F f);
