@@ -8,31 +8,50 @@ use crate::{Csr, GraphError};
 /// Vertices gathered by one task.
 const CHUNK: usize = 4096;
 
+/// Rows made by one task: their lengths, and their items one after the other.
+type Chunk = (Vec<u32>, Vec<u32>);
+
 /// Makes `n` rows: `gather(v, row)` pushes what row `v` should hold, in any order and with repeats, `v` itself included; rows
 /// come out strictly ascending and without `v`.
+///
+/// Fails when the rows hold more than 32-bit offsets can count.
 pub(crate) fn gather_rows<G>(n: usize, gather: G) -> Result<Csr, GraphError>
 where
     G: Fn(u32, &mut Row<'_>) + Sync,
 {
-    let chunks: Vec<(Vec<u32>, Vec<u32>)> = (0..n.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let vertices = chunk * CHUNK..n.min((chunk + 1) * CHUNK);
-            let mut lengths = Vec::with_capacity(vertices.len());
-            let (mut items, mut filter) = (Vec::new(), Filter::new());
-            for v in vertices {
-                let (v, start) = (to_u32(v), items.len());
-                gather(v, &mut Row { v, items: &mut items, filter: &mut filter });
-                finish_row(&mut items, start);
-                lengths.push(items.len() - start);
-            }
-            // A row cannot exceed the vertices, so each length fits; their sum is checked below.
-            (lengths.into_iter().map(to_u32).collect(), items)
-        })
-        .collect();
+    let chunks = gather_chunks(n, gather);
+    check_items("stored neighbors (two for each edge)", chunks.iter().map(|(_, items)| items.len()).sum())?;
+    Ok(concatenate(n, &chunks))
+}
 
-    let total = chunks.iter().map(|(_, items)| items.len()).sum();
-    check_items("stored neighbors (two for each edge)", total)?;
+/// [`gather_rows`] where no more is pushed than some structure already holds, so that it cannot fail.
+pub(crate) fn regather_rows<G>(n: usize, gather: G) -> Csr
+where
+    G: Fn(u32, &mut Row<'_>) + Sync,
+{
+    concatenate(n, &gather_chunks(n, gather))
+}
+
+fn gather_chunks<G>(n: usize, gather: G) -> Vec<Chunk>
+where
+    G: Fn(u32, &mut Row<'_>) + Sync,
+{
+    let gather_chunk = |chunk| {
+        let vertices = chunk * CHUNK..n.min((chunk + 1) * CHUNK);
+        let mut lengths = Vec::with_capacity(vertices.len());
+        let (mut items, mut filter) = (Vec::new(), Filter::new());
+        for v in vertices {
+            let (v, start) = (to_u32(v), items.len());
+            gather(v, &mut Row { v, items: &mut items, filter: &mut filter });
+            finish_row(&mut items, start);
+            lengths.push(to_u32(items.len() - start));
+        }
+        (lengths, items)
+    };
+    (0..n.div_ceil(CHUNK)).into_par_iter().map(gather_chunk).collect()
+}
+
+fn concatenate(n: usize, chunks: &[Chunk]) -> Csr {
     let mut offsets = Vec::with_capacity(n + 1);
     offsets.push(0);
     let mut end = 0;
@@ -40,11 +59,8 @@ where
         end += length;
         offsets.push(end);
     }
-    Ok(Csr::from_parts_unchecked(offsets, concatenate(&chunks, total)))
-}
 
-fn concatenate(chunks: &[(Vec<u32>, Vec<u32>)], total: usize) -> Vec<u32> {
-    let mut items = vec![0; total];
+    let mut items = vec![0; end as usize];
     let mut rest = items.as_mut_slice();
     let mut targets = Vec::with_capacity(chunks.len());
     for (_, part) in chunks {
@@ -53,7 +69,7 @@ fn concatenate(chunks: &[(Vec<u32>, Vec<u32>)], total: usize) -> Vec<u32> {
         rest = after;
     }
     targets.into_par_iter().for_each(|(target, part)| target.copy_from_slice(part));
-    items
+    Csr::from_parts_unchecked(offsets, items)
 }
 
 /// Sorts what was pushed since `start` and drops what the filter let through twice.

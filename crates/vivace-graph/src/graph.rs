@@ -2,10 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::build::gather_rows;
-use crate::incidence::List;
-use crate::num::{check_vertices, to_u32};
-use crate::{Adjacency, Csr, GraphError, Incidence};
+use crate::build::{gather_rows, regather_rows};
+use crate::num::{check_vertices, first_out_of_range, to_u32};
+use crate::{Adjacency, Csr, GraphBuilder, GraphError, Incidence};
 
 /// An undirected simple graph: rows strictly ascending, symmetric, without self loops.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -127,11 +126,11 @@ impl ConstraintGraph {
     /// A numbering that does not use each of `0..n_vertices()` once.
     pub fn permuted(&self, new_number: &[u32]) -> Result<Self, GraphError> {
         let old_number = inverse(self.n_vertices(), new_number)?;
-        let rows = gather_rows(self.n_vertices(), |new, row| {
+        let rows = regather_rows(self.n_vertices(), |new, row| {
             for &neighbor in self.neighbors(old_number[new as usize]) {
                 row.push(new_number[neighbor as usize]);
             }
-        })?;
+        });
         Ok(Self { rows })
     }
 
@@ -176,7 +175,6 @@ impl ConstraintGraph {
     }
 
     /// For rows that hold the invariant by the way they were made.
-    #[expect(dead_code, reason = "for the modules that follow")]
     pub(crate) fn from_rows_unchecked(rows: Csr) -> Self {
         debug_assert!(is_clean(&rows));
         Self { rows }
@@ -199,72 +197,10 @@ impl Adjacency for ConstraintGraph {
     }
 }
 
-/// Collects constraint lists of different sizes, borrowed, into one graph.
-///
-/// A list may be empty, a constraint may repeat, and may name a vertex twice.
-#[derive(Debug, Clone)]
-pub struct GraphBuilder<'a> {
-    n_vertices: usize,
-    lists: Vec<List<'a>>,
-}
-
-impl<'a> GraphBuilder<'a> {
-    /// A graph of `n_vertices` vertices and no edges yet.
-    pub fn new(n_vertices: usize) -> Self {
-        Self { n_vertices, lists: Vec::new() }
-    }
-
-    /// Adds constraints on `K` vertices each, every one a clique.
-    #[must_use]
-    pub fn constraints<const K: usize>(mut self, constraints: &'a [[u32; K]]) -> Self {
-        self.lists.push(List::new(constraints));
-        self
-    }
-
-    /// The graph: a counting sort from vertices to constraints, then each vertex gathers its row, in parallel in the caller's
-    /// rayon pool. O(n + sum of K²) and the sorting of the rows.
-    ///
-    /// # Errors
-    /// A constraint that names a vertex `>= n_vertices`; more than 32 bits can number.
-    pub fn build(&self) -> Result<ConstraintGraph, GraphError> {
-        let incidence = self.incidence()?;
-        let ends: Vec<usize> = self
-            .lists
-            .iter()
-            .scan(0, |end, list| {
-                *end += list.len();
-                Some(*end)
-            })
-            .collect();
-        let rows = gather_rows(self.n_vertices, |v, row| {
-            let (mut list, mut start, mut end) = (0, 0, 0);
-            for constraint in incidence.constraints(v).iter().map(|&constraint| constraint as usize) {
-                if constraint >= end {
-                    list = ends.partition_point(|&end| end <= constraint);
-                    (start, end) = (ends[list] - self.lists[list].len(), ends[list]);
-                }
-                let List { vertices, arity } = self.lists[list];
-                let at = (constraint - start) * arity;
-                row.extend(&vertices[at..at + arity]);
-            }
-        })?;
-        Ok(ConstraintGraph { rows })
-    }
-
-    /// The same lists as an [`Incidence`]: vertex to constraints, numbered through in the order of the lists.
-    ///
-    /// # Errors
-    /// As [`GraphBuilder::build`].
-    pub fn incidence(&self) -> Result<Incidence, GraphError> {
-        Incidence::from_lists(self.n_vertices, &self.lists)
-    }
-}
-
 fn check_entries(rows: &Csr) -> Result<(), GraphError> {
     let n_vertices = rows.n_rows();
     check_vertices(n_vertices)?;
-    let is_out = |v: &u32| *v as usize >= n_vertices;
-    match rows.items().par_iter().with_min_len(1 << 14).position_first(is_out) {
+    match first_out_of_range(rows.items(), n_vertices) {
         None => Ok(()),
         Some(at) => {
             let row = rows.offsets().partition_point(|&start| start as usize <= at) - 1;
@@ -323,4 +259,107 @@ fn inverse(n_vertices: usize, new_number: &[u32]) -> Result<Vec<u32>, GraphError
         }
     }
     Ok(old_number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles over the edge 1-2, and vertex 4 alone.
+    fn bowtie() -> ConstraintGraph {
+        ConstraintGraph::from_constraints(5, &[[0, 1, 2], [1, 3, 2]]).unwrap()
+    }
+
+    fn rows(graph: &ConstraintGraph) -> Vec<&[u32]> {
+        graph.csr().rows().collect()
+    }
+
+    #[test]
+    fn triangles_are_cliques() {
+        let graph = bowtie();
+        assert_eq!(rows(&graph), [&[1, 2][..], &[0, 2, 3], &[0, 1, 3], &[1, 2], &[]]);
+        assert_eq!((graph.n_vertices(), graph.n_edges()), (5, 5));
+        assert_eq!((graph.min_degree(), graph.max_degree(), graph.mean_degree()), (0, 3, 2.0));
+        assert_eq!(graph.edges().collect::<Vec<_>>(), [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]);
+        assert_eq!(graph.components(), (2, vec![0, 0, 0, 0, 1]));
+    }
+
+    #[test]
+    fn nothing_is_a_graph() {
+        let empty = GraphBuilder::new(0).build().unwrap();
+        assert_eq!(empty, ConstraintGraph::default());
+        assert_eq!(empty, ConstraintGraph::from_csr(vec![0], vec![]).unwrap());
+        assert_eq!((empty.min_degree(), empty.max_degree(), empty.mean_degree()), (0, 0, 0.0));
+        assert_eq!(empty.components(), (0, vec![]));
+        assert_eq!(empty.edges().count(), 0);
+        let no_edges = ConstraintGraph::from_constraints::<0>(3, &[[], []]).unwrap();
+        assert_eq!((no_edges.n_vertices(), no_edges.n_edges()), (3, 0));
+    }
+
+    #[test]
+    fn clean_arrays_are_taken_without_a_copy() {
+        let (offsets, items) = bowtie().into_csr().into_parts();
+        let places = (offsets.as_ptr(), items.as_ptr());
+        let graph = ConstraintGraph::from_csr(offsets, items).unwrap();
+        assert_eq!(graph, bowtie());
+        let (offsets, items) = graph.into_csr().into_parts();
+        assert_eq!((offsets.as_ptr(), items.as_ptr()), places);
+    }
+
+    #[test]
+    fn each_kind_of_dirt_is_cleaned() {
+        for (what, offsets, items) in [
+            ("unsorted", [0, 2, 3, 4], vec![2, 1, 0, 0]),
+            ("repeated", [0, 3, 4, 5], vec![1, 1, 2, 0, 0]),
+            ("self loop", [0, 3, 4, 5], vec![0, 1, 2, 0, 0]),
+            ("upper only", [0, 2, 2, 2], vec![1, 2]),
+            ("lower only", [0, 0, 1, 2], vec![0, 0]),
+            ("as many up as down", [0, 1, 1, 2], vec![1, 0]),
+        ] {
+            let graph = ConstraintGraph::from_csr(offsets.to_vec(), items).unwrap();
+            assert_eq!(rows(&graph), [&[1, 2][..], &[0], &[0]], "{what}");
+        }
+    }
+
+    #[test]
+    fn bad_rows_are_named() {
+        let error = ConstraintGraph::from_csr(vec![0, 1, 1, 3], vec![1, 0, 3]).unwrap_err();
+        assert_eq!(error, GraphError::NeighborOutOfRange { row: 2, entry: 1, vertex: 3, n_vertices: 3 });
+        let error = GraphBuilder::new(3).constraints(&[[0, 1]]).constraints(&[[0, 1, 2], [0, 1, 9]]).build();
+        let error = error.unwrap_err().to_string();
+        assert!(
+            error.starts_with("constraint 1 of list 1 names vertex 9, but there are 3 vertices"),
+            "{error}"
+        );
+        assert!(matches!(
+            ConstraintGraph::from_edges(usize::MAX, &[]),
+            Err(GraphError::TooLarge { count: usize::MAX, .. })
+        ));
+    }
+
+    #[test]
+    fn renumbering() {
+        let path = ConstraintGraph::from_edges(3, &[[0, 1], [1, 2]]).unwrap();
+        assert_eq!(rows(&path.permuted(&[2, 0, 1]).unwrap()), [&[1, 2][..], &[0], &[0]]);
+        let why = |numbers: &[u32]| path.permuted(numbers).unwrap_err().to_string();
+        assert!(why(&[0, 1]).starts_with("the numbering has 2 entries for 3 vertices"));
+        assert!(why(&[0, 1, 1]).contains("vertex 2 is given the number 1, which is taken already"));
+        assert!(why(&[0, 3, 1]).contains("vertex 1 is given the number 3, which is out of range"));
+    }
+
+    #[test]
+    fn more_edges() {
+        let graph = bowtie().with_edges(&[[4, 0], [2, 1], [3, 3]]).unwrap();
+        assert_eq!(rows(&graph), [&[1, 2, 4][..], &[0, 2, 3], &[0, 1, 3], &[1, 2], &[0]]);
+        assert!(bowtie().with_edges(&[[0, 5]]).is_err());
+    }
+
+    #[test]
+    fn hubs_and_cliques() {
+        let spokes: Vec<[u32; 2]> = (1..=100_000).rev().map(|v| [v, 0]).collect();
+        let star = ConstraintGraph::from_edges(100_001, &spokes).unwrap();
+        assert_eq!((star.degree(0), star.n_edges()), (100_000, 100_000));
+        let clique = ConstraintGraph::from_constraints(400, &[std::array::from_fn::<u32, 400, _>(to_u32)]);
+        assert_eq!(clique.unwrap().n_edges(), 400 * 399 / 2);
+    }
 }

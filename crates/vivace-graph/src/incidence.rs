@@ -1,9 +1,7 @@
 //! Which constraints touch a vertex.
 
-use rayon::prelude::*;
-
 use crate::csr::prefix_sum;
-use crate::num::{check_items, check_vertices, to_u32};
+use crate::num::{check_items, check_vertices, first_out_of_range, to_u32};
 use crate::{Csr, GraphError};
 
 /// One borrowed list of constraints, flattened: `arity` vertices each.
@@ -100,8 +98,7 @@ impl Incidence {
 }
 
 fn check_list(n_vertices: usize, list: usize, constraints: &List<'_>) -> Result<(), GraphError> {
-    let is_out = |v: &u32| *v as usize >= n_vertices;
-    match constraints.vertices.par_iter().with_min_len(1 << 14).position_first(is_out) {
+    match first_out_of_range(constraints.vertices, n_vertices) {
         None => Ok(()),
         Some(at) => Err(GraphError::ConstraintOutOfRange {
             list,

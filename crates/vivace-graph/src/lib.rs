@@ -24,14 +24,21 @@
 
 mod adjacency;
 mod build;
+mod builder;
 mod csr;
+mod degeneracy;
+mod dynamic;
 mod error;
 mod graph;
 mod incidence;
+pub mod matrix_market;
 mod num;
 
 pub use adjacency::Adjacency;
+pub use builder::GraphBuilder;
 pub use csr::Csr;
+pub use degeneracy::{SmallestLast, smallest_last};
+pub use dynamic::DynamicGraph;
 pub use error::GraphError;
-pub use graph::{ConstraintGraph, GraphBuilder};
+pub use graph::ConstraintGraph;
 pub use incidence::Incidence;

@@ -1,5 +1,7 @@
 //! Between `usize` and the 32 bits that indices are stored in.
 
+use rayon::prelude::*;
+
 use crate::GraphError;
 
 /// Most vertices a graph may have: `u32::MAX` itself is left free to mean "none".
@@ -29,6 +31,16 @@ fn check(what: &'static str, count: usize, limit: usize) -> Result<(), GraphErro
     if count > limit { Err(GraphError::TooLarge { what, count, limit }) } else { Ok(()) }
 }
 
+/// Position of the first index that is not below `n`, if there is one.
+///
+/// Good lists are the rule: they are only compared with their maximum, which vectorises.
+pub(crate) fn first_out_of_range(indices: &[u32], n: usize) -> Option<usize> {
+    let is_out = |&index: &u32| index as usize >= n;
+    let max = |chunk: &[u32]| chunk.iter().fold(0, |max, &index| max.max(index));
+    let is_bad = indices.par_chunks(1 << 16).any(|chunk| is_out(&max(chunk)));
+    if is_bad { indices.iter().position(is_out) } else { None }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,5 +52,15 @@ mod tests {
         assert!(error.to_string().contains("4294967295 vertices"), "{error}");
         assert!(check_items("neighbors", u32::MAX as usize).is_ok());
         assert!(check_items("neighbors", u32::MAX as usize + 1).is_err());
+    }
+
+    #[test]
+    fn the_first_out_of_range_is_found() {
+        let mut indices = vec![4; 200_000];
+        assert_eq!(first_out_of_range(&indices, 5), None);
+        (indices[150_000], indices[100_001]) = (5, u32::MAX);
+        assert_eq!(first_out_of_range(&indices, 5), Some(100_001));
+        assert_eq!(first_out_of_range(&[0], 0), Some(0));
+        assert_eq!(first_out_of_range(&[], 0), None);
     }
 }
