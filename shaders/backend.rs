@@ -1,6 +1,6 @@
 //! What runs kernels.
 
-use crate::{Element, Map, Memory, Select, Update, Views};
+use crate::{CountDown, Element, Map, Memory, Select, Update, Views};
 
 /// Runs kernels over arrays that it keeps.
 ///
@@ -53,13 +53,23 @@ pub trait Backend {
         state: &mut Self::Buffer<K::State>,
     );
 
-    /// Takes out of `list` what `K` selects, and returns it.
+    /// Takes out of `list` what `K` selects, and returns it. May write element `i` of `output` for each `i` that was in `list`.
     fn select<K: Select>(
         &self,
         list: &mut Self::List,
         uniform: &K::Uniform,
         inputs: Views<'_, K, Self::Memory>,
+        output: &mut Self::Buffer<K::Output>,
     ) -> Self::List;
+
+    /// Takes one from each counter that is a target of each `i` in `list`.
+    fn count_down<K: CountDown>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        counters: &mut Self::Buffer<u32>,
+    );
 
     /// Runs `round` with 0, 1, … until `list` is empty or `limit` rounds have run; returns how many ran and, over all of them,
     /// how many elements the list held at their beginning.

@@ -10,6 +10,9 @@ impl<T: Pod + Send + Sync> Element for T {}
 pub trait Memory: 'static {
     /// A read-only view of an array of `T`.
     type View<'a, T: Element>: Copy + Send + Sync;
+
+    /// The same view for a shorter time. (The compiler cannot see that this is always possible.)
+    fn shorten<'short, 'long: 'short, T: Element>(view: Self::View<'long, T>) -> Self::View<'short, T>;
 }
 
 /// The host's own memory: a view is a slice.
@@ -18,10 +21,14 @@ pub struct Host;
 
 impl Memory for Host {
     type View<'a, T: Element> = &'a [T];
+
+    fn shorten<'short, 'long: 'short, T: Element>(view: &'long [T]) -> &'short [T] {
+        view
+    }
 }
 
-/// One kernel: a function of an index, a few parameters and some read-only arrays. It comes in three forms, by what it writes:
-/// [`Map`], [`Update`], [`Select`].
+/// One kernel: a function of an index, a few parameters and some read-only arrays. It comes in four forms, by what it writes:
+/// [`Map`], [`Update`], [`Select`], [`CountDown`].
 pub trait Kernel: 'static {
     /// The kernel's one name: file stem, function, entry point, row in a timing table.
     const NAME: &'static str;
@@ -31,16 +38,16 @@ pub trait Kernel: 'static {
     type Inputs: Inputs;
 }
 
-/// A kernel that computes element `i` of an array that it does not read.
+/// A kernel that computes element `i` of an array of which it reads no other element.
 pub trait Map: Kernel {
     /// Element type of the array written.
     type Output: Element;
-    /// The value of element `i`.
-    fn map(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>) -> Self::Output;
+    /// Computes element `i`, here `own`, from the other arrays and its old value.
+    fn map(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>, own: &mut Self::Output);
 }
 
-/// A kernel that computes element `i` of an array that it also reads. Invocations of one run read no element that another of
-/// them writes: the elements of an independent set read their neighbors and themselves.
+/// A kernel that computes element `i` of an array of which it reads other elements. Invocations of one run read no element that
+/// another of them writes: the elements of an independent set read their neighbors and themselves.
 pub trait Update: Kernel {
     /// Element type of the array read and written.
     type State: Element;
@@ -53,10 +60,18 @@ pub trait Update: Kernel {
     ) -> Self::State;
 }
 
-/// A kernel that decides whether element `i` moves from one list to another.
+/// A kernel that decides whether `i` moves from one list to another. Like a [`Map`], it may write one element on the way.
 pub trait Select: Kernel {
-    /// Whether `i` is selected.
-    fn select(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>) -> bool;
+    /// Element type of the array written.
+    type Output: Element;
+    /// Whether `i` is selected; `own` is its element.
+    fn select(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>, own: &mut Self::Output) -> bool;
+}
+
+/// A kernel that counts down: the one form that writes elements of others. Integer subtraction commutes, so order does not show.
+pub trait CountDown: Kernel {
+    /// The counters that `i` takes one from, ascending; a counter at 0 stays 0.
+    fn targets<'a>(i: u32, uniform: &Self::Uniform, inputs: HostViews<'a, Self>) -> &'a [u32];
 }
 
 /// The views that kernel `K` takes, in memory `M`.

@@ -16,5 +16,5 @@ pub mod pcg;
 
 pub use backend::{Backend, RoundCount, View};
 pub use kernel::{
-    Element, Host, HostViews, Inputs, Kernel, Map, Memory, Select, Update, ViewVisitor, Views,
+    CountDown, Element, Host, HostViews, Inputs, Kernel, Map, Memory, Select, Update, ViewVisitor, Views,
 };

@@ -1,7 +1,6 @@
 //! Algorithm 2, lines 8-12, and the Hungarian heuristic: a proposal stands unless a neighbor with higher priority drew the same.
 //!
-//! Only proposals are read, and colors are written elsewhere ([`super::CommitColor`]), so that nobody decides on what another has
-//! just committed. A colored neighbor's proposal is its color, which [`super::ProposeColor`] never draws: it cannot clash.
+//! Only proposals are read and only colors are written, so nobody decides on what another has just committed. A colored neighbor's proposal is its color, which [`super::ProposeColor`] never draws: it cannot clash.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -9,7 +8,7 @@ use super::row;
 use crate::pcg::hash;
 use crate::{HostViews, Kernel, Select};
 
-/// The vertices of the list whose proposal stands; reads (offsets, neighbors, proposal).
+/// The vertices of the list whose proposal stands, which becomes their color; reads (offsets, neighbors, proposal).
 #[derive(Debug)]
 pub struct AcceptColor;
 
@@ -37,8 +36,15 @@ impl Kernel for AcceptColor {
 }
 
 impl Select for AcceptColor {
+    type Output = u32;
+
     #[inline]
-    fn select(v: u32, uniform: &Self::Uniform, (offsets, neighbors, proposal): HostViews<'_, Self>) -> bool {
+    fn select(
+        v: u32,
+        uniform: &Self::Uniform,
+        (offsets, neighbors, proposal): HostViews<'_, Self>,
+        color: &mut u32,
+    ) -> bool {
         let mine = proposal[v as usize];
         for &u in row(v, offsets, neighbors) {
             if proposal[u as usize] == mine {
@@ -52,6 +58,7 @@ impl Select for AcceptColor {
                 }
             }
         }
+        *color = mine;
         true
     }
 }

@@ -1,5 +1,8 @@
 //! The independent set of Luby (1985), Jones and Plassmann (1993) and Welsh and Powell (1967): vertices heavier than every
 //! contending neighbor.
+//!
+//! Most vertices lose to the same neighbor round after round, so each remembers to whom it lost last and looks there first: one
+//! read instead of a row.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -7,7 +10,8 @@ use super::row;
 use crate::pcg::hash;
 use crate::{HostViews, Kernel, Select};
 
-/// The vertices of the list that are local maxima; reads (offsets, neighbors, weight). Weight 0: does not contend.
+/// The vertices of the list that are local maxima; reads (offsets, neighbors, weight) and remembers, in an array that began as
+/// [`super::UNCOLORED`], to whom it lost. A weight of 0 does not contend.
 #[derive(Debug)]
 pub struct LocalMaximum;
 
@@ -26,12 +30,25 @@ impl Kernel for LocalMaximum {
 }
 
 impl Select for LocalMaximum {
+    type Output = u32;
+
     #[inline]
-    fn select(v: u32, uniform: &Self::Uniform, (offsets, neighbors, weight): HostViews<'_, Self>) -> bool {
+    fn select(
+        v: u32,
+        uniform: &Self::Uniform,
+        (offsets, neighbors, weight): HostViews<'_, Self>,
+        lost_to: &mut u32,
+    ) -> bool {
         let mine = weight[v as usize];
+        let heavier = |u: u32, other: u32| {
+            other > mine || (other == mine && hash(u, uniform.key) > hash(v, uniform.key))
+        };
+        if weight.get(*lost_to as usize).is_some_and(|&other| heavier(*lost_to, other)) {
+            return false;
+        }
         for &u in row(v, offsets, neighbors) {
-            let other = weight[u as usize];
-            if other > mine || (other == mine && hash(u, uniform.key) > hash(v, uniform.key)) {
+            if heavier(u, weight[u as usize]) {
+                *lost_to = u;
                 return false;
             }
         }

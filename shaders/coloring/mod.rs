@@ -1,24 +1,28 @@
 //! Kernels of the round-based graph colorings. One file each; `Csr` arrays come as (offsets, neighbors).
 
 mod accept_color;
-mod commit_color;
 mod degree_weight;
 mod first_fit;
+mod is_colored;
+mod leave_neighbors;
 mod local_maximum;
 mod neighbor_has_color;
 mod propose_color;
 mod random_weight;
 mod set_value;
+mod take_color;
 
 pub use accept_color::{AcceptColor, AcceptColorUniform, CONFLICT_HASH, CONFLICT_INDEX, CONFLICT_NONE};
-pub use commit_color::CommitColor;
 pub use degree_weight::DegreeWeight;
 pub use first_fit::FirstFit;
+pub use is_colored::IsColored;
+pub use leave_neighbors::LeaveNeighbors;
 pub use local_maximum::{LocalMaximum, LocalMaximumUniform};
 pub use neighbor_has_color::{NeighborHasColor, NeighborHasColorUniform};
 pub use propose_color::{ProposeColor, ProposeColorUniform};
 pub use random_weight::{RandomWeight, RandomWeightUniform};
 pub use set_value::{SetValue, SetValueUniform};
+pub use take_color::{TakeColor, TakeColorUniform};
 
 /// The color of a vertex that has none yet.
 pub const UNCOLORED: u32 = u32::MAX;

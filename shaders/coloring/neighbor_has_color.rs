@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::row;
 use crate::{HostViews, Kernel, Select};
 
-/// The vertices of the list that have a neighbor of one color; reads (offsets, neighbors, color).
+/// The vertices of the list that have a neighbor of one color, whose weight becomes 0; reads (offsets, neighbors, color).
 #[derive(Debug)]
 pub struct NeighborHasColor;
 
@@ -24,8 +24,19 @@ impl Kernel for NeighborHasColor {
 }
 
 impl Select for NeighborHasColor {
+    type Output = u32;
+
     #[inline]
-    fn select(v: u32, uniform: &Self::Uniform, (offsets, neighbors, color): HostViews<'_, Self>) -> bool {
-        row(v, offsets, neighbors).iter().any(|&u| color[u as usize] == uniform.color)
+    fn select(
+        v: u32,
+        uniform: &Self::Uniform,
+        (offsets, neighbors, color): HostViews<'_, Self>,
+        weight: &mut u32,
+    ) -> bool {
+        let beaten = row(v, offsets, neighbors).iter().any(|&u| color[u as usize] == uniform.color);
+        if beaten {
+            *weight = 0;
+        }
+        beaten
     }
 }

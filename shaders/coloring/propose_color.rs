@@ -46,7 +46,12 @@ impl Map for ProposeColor {
     type Output = u32;
 
     #[inline]
-    fn map(v: u32, uniform: &Self::Uniform, (offsets, neighbors, color): HostViews<'_, Self>) -> u32 {
+    fn map(
+        v: u32,
+        uniform: &Self::Uniform,
+        (offsets, neighbors, color): HostViews<'_, Self>,
+        proposal: &mut u32,
+    ) {
         let neighbors = row(v, offsets, neighbors);
         let degree = offsets[v as usize + 1] - offsets[v as usize];
         let palette = uniform.palette_size(degree);
@@ -58,7 +63,8 @@ impl Map for ProposeColor {
             base += 32;
         }
         if n_free == 0 {
-            return first_free_color(neighbors, color, palette);
+            *proposal = first_free_color(neighbors, color, palette);
+            return;
         }
         let mut skip = hash(v, uniform.key) % n_free;
         base = 0;
@@ -71,7 +77,7 @@ impl Map for ProposeColor {
             free &= free - 1;
             skip -= 1;
         }
-        base + free.trailing_zeros()
+        *proposal = base + free.trailing_zeros();
     }
 }
 

@@ -27,7 +27,7 @@ impl Map for RandomWeight {
     type Output = u32;
 
     #[inline]
-    fn map(v: u32, uniform: &Self::Uniform, (): HostViews<'_, Self>) -> u32 {
-        hash(v, uniform.key).max(1)
+    fn map(v: u32, uniform: &Self::Uniform, (): HostViews<'_, Self>, weight: &mut u32) {
+        *weight = hash(v, uniform.key).max(1);
     }
 }

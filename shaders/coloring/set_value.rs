@@ -26,7 +26,7 @@ impl Map for SetValue {
     type Output = u32;
 
     #[inline]
-    fn map(_: u32, uniform: &Self::Uniform, (): HostViews<'_, Self>) -> u32 {
-        uniform.value
+    fn map(_: u32, uniform: &Self::Uniform, (): HostViews<'_, Self>, own: &mut u32) {
+        *own = uniform.value;
     }
 }

@@ -6,7 +6,7 @@
 mod list;
 
 use rayon::prelude::*;
-use vivace_kernels::{Backend, Element, Host, Map, RoundCount, Select, Update, View, Views};
+use vivace_kernels::{Backend, CountDown, Element, Host, Map, RoundCount, Select, Update, View, Views};
 
 pub use list::List;
 
@@ -77,7 +77,7 @@ impl Backend for Cpu {
         output: &mut Vec<K::Output>,
     ) {
         list.for_each_element(self.n_pieces(list.len()), output, |i, element| {
-            *element = K::map(i, uniform, inputs);
+            K::map(i, uniform, inputs, element);
         });
     }
 
@@ -116,16 +116,45 @@ impl Backend for Cpu {
         list: &mut List,
         uniform: &K::Uniform,
         inputs: Views<'_, K, Host>,
+        output: &mut Vec<K::Output>,
     ) -> List {
-        list.split_off(self.n_pieces(list.len()), |i| K::select(i, uniform, inputs))
+        list.split_off(self.n_pieces(list.len()), output, |i, own| K::select(i, uniform, inputs, own))
     }
 
-    fn rounds(
+    fn count_down<K: CountDown>(
         &self,
-        limit: u32,
-        list: &mut List,
-        mut round: impl FnMut(u32, &mut List),
-    ) -> RoundCount {
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        counters: &mut Vec<u32>,
+    ) {
+        // Each thread owns a stretch of the counters and looks at every element; ascending targets tell at a glance whether an
+        // element touches the stretch, and in a mesh few touch two. No atomics: they cost more than what a second thread gains.
+        let n_pieces = if list.len() <= self.grain { 1 } else { rayon::current_num_threads() };
+        let stretch_len = counters.len().div_ceil(n_pieces).max(1);
+        let count_down = |(piece, stretch): (usize, &mut [u32])| {
+            let first = piece * stretch_len;
+            for &i in list.indices() {
+                let targets = K::targets(i, uniform, inputs);
+                let (Some(&lowest), Some(&highest)) = (targets.first(), targets.last()) else { continue };
+                if (highest as usize) < first || lowest as usize >= first + stretch.len() {
+                    continue;
+                }
+                for &target in targets {
+                    if let Some(counter) = stretch.get_mut((target as usize).wrapping_sub(first)) {
+                        *counter = counter.saturating_sub(1);
+                    }
+                }
+            }
+        };
+        if n_pieces == 1 {
+            count_down((0, counters));
+        } else {
+            counters.par_chunks_mut(stretch_len).enumerate().for_each(count_down);
+        }
+    }
+
+    fn rounds(&self, limit: u32, list: &mut List, mut round: impl FnMut(u32, &mut List)) -> RoundCount {
         let mut count = RoundCount::default();
         while !list.is_empty() && count.rounds < limit {
             count.visits += list.len() as u64;

@@ -1,8 +1,6 @@
 //! A list of element indices, ascending. Because it ascends, a piece of it owns a stretch of any array, and pieces can write to
 //! their stretches at the same time without locks, atomics or `unsafe`.
 
-use rayon::prelude::*;
-
 /// Element indices in strictly ascending order.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct List {
@@ -69,22 +67,41 @@ impl List {
         });
     }
 
-    /// Removes the indices that `selects` and returns them; both keep their order.
-    pub(crate) fn split_off(&mut self, n_pieces: usize, selects: impl Fn(u32) -> bool + Sync) -> Self {
-        let split = |piece: &[u32]| -> (Vec<u32>, Vec<u32>) { piece.iter().partition(|&&i| selects(i)) };
+    /// Removes the indices that `selects(i, &mut array[i])` and returns them; both keep their order.
+    pub(crate) fn split_off<T: Send>(
+        &mut self,
+        n_pieces: usize,
+        array: &mut [T],
+        selects: impl Fn(u32, &mut T) -> bool + Sync,
+    ) -> Self {
+        let split = |piece: &[u32], stretch: &mut [T], first: usize| -> (Vec<u32>, Vec<u32>) {
+            piece.iter().partition(|&&i| selects(i, &mut stretch[i as usize - first]))
+        };
         if n_pieces == 1 {
-            let (selected, kept) = split(&self.indices);
+            let (selected, kept) = split(&self.indices, array, 0);
             self.indices = kept;
             return Self { indices: selected };
         }
-        let parts: Vec<_> =
-            self.indices.par_chunks(self.indices.len().div_ceil(n_pieces)).map(split).collect();
-        let (mut selected, mut kept) = (Vec::new(), Vec::new());
-        rayon::join(
-            || selected = parts.iter().flat_map(|part| &part.0).copied().collect(),
-            || kept = parts.iter().flat_map(|part| &part.1).copied().collect(),
-        );
-        self.indices = kept;
+        let piece_len = self.indices.len().div_ceil(n_pieces);
+        let mut parts = vec![(Vec::new(), Vec::new()); self.indices.len().div_ceil(piece_len)];
+        rayon::scope(|scope| {
+            let mut rest = array;
+            let mut first = 0;
+            let mut chunks = self.indices.chunks(piece_len).zip(&mut parts).peekable();
+            while let Some((piece, part)) = chunks.next() {
+                let end = chunks.peek().map_or(first + rest.len(), |(next, _)| next[0] as usize);
+                let (stretch, after) = rest.split_at_mut(end - first);
+                let split = &split;
+                scope.spawn(move |_| *part = split(piece, stretch, first));
+                (rest, first) = (after, end);
+            }
+        });
+        let mut selected = Vec::with_capacity(parts.iter().map(|part| part.0.len()).sum());
+        self.indices.clear();
+        for part in &parts {
+            selected.extend_from_slice(&part.0);
+            self.indices.extend_from_slice(&part.1);
+        }
         Self { indices: selected }
     }
 }
@@ -120,7 +137,12 @@ mod tests {
     fn splitting_keeps_order_whatever_the_pieces() {
         for n_pieces in [1, 2, 7, 64] {
             let mut list = List::all(1000);
-            let threes = list.split_off(n_pieces, |i| i % 3 == 0);
+            let mut seen = vec![false; 1000];
+            let threes = list.split_off(n_pieces, &mut seen, |i, seen| {
+                *seen = true;
+                i % 3 == 0
+            });
+            assert!(seen.iter().all(|&seen| seen));
             assert_eq!(threes.indices(), (0..1000).step_by(3).collect::<Vec<_>>());
             assert_eq!(list.indices(), (0..1000).filter(|i| i % 3 != 0).collect::<Vec<_>>());
         }
