@@ -7,14 +7,16 @@
 use std::error::Error;
 use std::time::Instant;
 
+use vivace_mesh::irregularity::Irregularity;
 use vivace_mesh::sdf::{Blend, ClosedSurface, SignedDistance};
 use vivace_mesh::stuffing::Stuffing;
-use vivace_mesh::{Mesh, load};
+use vivace_mesh::{Mesh, TetMesh, load};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let path = arguments.next().ok_or("usage: stuff SHAPE.txt|SURFACE.obj [N_TETS] [SEED]")?;
     let n_tets = arguments.next().map_or(Ok(50_000), |text| text.parse())?;
+    let seed = arguments.next().map(|text| text.parse()).transpose()?;
 
     let start = Instant::now();
     let shape: Box<dyn SignedDistance> = if path.ends_with(".obj") {
@@ -25,12 +27,35 @@ fn main() -> Result<(), Box<dyn Error>> {
     } else {
         Box::new(std::fs::read_to_string(&path)?.parse::<Blend>()?)
     };
-    println!("shape       {:8.2} s", start.elapsed().as_secs_f64());
+    println!("reading the shape {:.2} s", start.elapsed().as_secs_f64());
 
     let start = Instant::now();
     let (mesh, filled) = Stuffing::with_about_tets(n_tets).fill(shape.as_ref())?;
-    println!("stuffing    {:8.2} s", start.elapsed().as_secs_f64());
-    println!("{filled:#?}");
-    println!("{:#?}", mesh.report());
+    println!("stuffing {:.2} s: {filled:?}", start.elapsed().as_secs_f64());
+    describe(&mesh);
+
+    if let Some(seed) = seed {
+        let start = Instant::now();
+        let (mesh, changed) = Irregularity { seed, ..Irregularity::default() }.apply(&mesh)?;
+        println!("irregularity {:.2} s: {changed:?}", start.elapsed().as_secs_f64());
+        describe(&mesh);
+    }
     Ok(())
+}
+
+fn describe(mesh: &TetMesh) {
+    let report = mesh.report();
+    let [smallest, largest] = report.dihedral_angles.unwrap_or_default();
+    println!("  vertices {}, tetrahedra {}, edges {}", report.n_vertices, report.n_tets, report.n_edges);
+    let degrees = report.degrees;
+    println!(
+        "  degree {} / {:.2} / {}, deviation {:.2}",
+        degrees.min, degrees.mean, degrees.max, degrees.deviation
+    );
+    println!("  dihedral angles {smallest:.2} .. {largest:.2} deg");
+    println!(
+        "  components {}, boundary {}",
+        report.n_components,
+        if report.has_manifold_boundary() { "manifold" } else { "not a manifold" }
+    );
 }

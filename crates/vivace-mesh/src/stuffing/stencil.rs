@@ -93,12 +93,13 @@ impl Stencil {
 
     /// Whether the quadrilateral a, b, cut(bd), cut(ad) is cut from `a` to cut(bd) and not from `b` to cut(ad).
     ///
-    /// With one long and one short cut edge, the end of the long one wins. With two short ones `a` and `b` are neighbors in
-    /// one cubic lattice, and the even one wins: the parity rule. Two long ones do not occur.
+    /// With one long and one short cut edge, the end of the short one wins, so that the diagonal meets the cut of the long
+    /// one; the other way around, angles fall below 9 degrees. With two short ones `a` and `b` are neighbors in one cubic
+    /// lattice, and the even one wins: the parity rule. Two long ones do not occur.
     fn first_wins(self, a: usize, b: usize, d: usize) -> bool {
         match (is_long(a, d), is_long(b, d)) {
-            (true, _) => true,
-            (_, true) => false,
+            (true, _) => false,
+            (_, true) => true,
             _ => self.is_even[a],
         }
     }
