@@ -5,6 +5,7 @@
 pub mod ball;
 pub mod beam;
 pub mod cloth;
+pub mod irregularity;
 pub mod obj;
 pub mod sdf;
 pub mod stuffing;
