@@ -80,9 +80,9 @@ mod tests {
 
     #[test]
     fn regular_cloth_takes_three_colors_and_its_hinges_four() {
-        for width in [100, 250] {
-            let (edges, hinges) = cloth(width, width);
-            let n = (width * width) as usize;
+        for [width, height] in [[100, 100], [400, 250]] {
+            let (edges, hinges) = cloth(width, height);
+            let n = (width * height) as usize;
             let cloth = ConstraintGraph::from_edges(n, &edges).unwrap();
             let hinged = GraphBuilder::new(n).constraints(&edges).constraints(&hinges).build().unwrap();
             for (graph, best) in [(cloth, 3), (hinged, 4)] {
