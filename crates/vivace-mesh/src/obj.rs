@@ -10,7 +10,6 @@ use glam::Vec3;
 
 use crate::load::{Lines, Loaded, counted, read_with, write_to};
 use crate::text::{Text, number, quoted};
-use crate::tri::is_flat;
 use crate::{MeshError, TriMesh};
 
 /// Reads a file: see [`parse`].
@@ -233,22 +232,27 @@ fn out_of_range(line: usize, index: i64, n_vertices: usize) -> MeshError {
     MeshError::at(line, reason)
 }
 
-/// Notes on vertices and triangles that are legal, but may not be meant.
+/// Notes on what is legal, but may not be meant.
 fn oddities(mesh: &TriMesh) -> Vec<String> {
-    let mut used = vec![false; mesh.positions().len()];
-    for &vertex in mesh.triangles().as_flattened() {
-        used[vertex as usize] = true;
-    }
-    let isolated = used.iter().filter(|&&u| !u).count();
-    let degenerate = (0..mesh.triangles().len()).filter(|&t| is_flat(mesh.triangle_corners(t))).count();
-    let mut notes = Vec::new();
-    if isolated > 0 {
-        notes.push(format!("{} in no face", counted(isolated, "vertex", "vertices")));
-    }
-    if degenerate > 0 {
-        notes.push(format!("{} without area", counted(degenerate, "triangle", "triangles")));
-    }
+    let report = mesh.report();
+    let n_degenerate = report.n_repeated_triangles + report.n_flat_triangles;
+    let notes = [
+        (report.n_isolated_vertices, "vertex", "vertices", "without an edge"),
+        (n_degenerate, "triangle", "triangles", "without area"),
+        (report.n_nonmanifold_edges, "edge", "edges", "of more than two triangles, which get no hinge"),
+        (report.n_misoriented_edges, "edge", "edges", "along which two triangles run in the same direction"),
+        (
+            report.n_components.saturating_sub(1),
+            "part",
+            "parts",
+            "unconnected with the first (vertices are not welded)",
+        ),
+    ];
     notes
+        .into_iter()
+        .filter(|n| n.0 > 0)
+        .map(|(n, one, many, what)| format!("{} {what}", counted(n, one, many)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -290,7 +294,7 @@ mod tests {
         let loaded = parse(b"v 9 9 9\nv 0 0 0 1\nv 0 0 1 .5 .5 .5\nv 8 8 8\nv 1 0 0\nf 5 3 2\n").unwrap();
         assert_eq!(loaded.mesh.positions()[0], Vec3::splat(9.0));
         assert_eq!((loaded.mesh.positions().len(), loaded.mesh.triangles()), (5, &[[4, 2, 1]][..]));
-        assert_eq!(loaded.notes, ["2 vertices in no face"]);
+        assert_eq!(loaded.notes, ["2 vertices without an edge"]);
     }
 
     #[test]
@@ -316,7 +320,7 @@ mod tests {
         let expected = [
             "2 lines with points or curves skipped (first: line 7)",
             "1 line of an unknown kind skipped (first: line 9)",
-            "1 vertex in no face",
+            "3 vertices without an edge",
             "1 triangle without area",
         ];
         assert_eq!(notes, expected);

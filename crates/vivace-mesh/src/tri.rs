@@ -124,7 +124,8 @@ impl TriMesh {
 }
 
 fn edge_fault(triangles: &[[u32; 3]], edge: &[Side]) -> Option<String> {
-    let [a, b, _] = edge.first()?.vertices(triangles);
+    let [start, end, _] = edge.first()?.vertices(triangles);
+    let (a, b) = (start.min(end), start.max(end));
     match *edge {
         [side] => {
             Some(format!("edge {a}-{b} has triangle {} on one side and none on the other", side.triangle()))

@@ -214,9 +214,13 @@ impl Reader<'_> {
         }
         let mut used = vec![false; mesh.positions().len()];
         mesh.tets().as_flattened().iter().for_each(|&v| used[v as usize] = true);
-        let isolated = used.iter().filter(|&&u| !u).count();
-        if isolated > 0 {
-            notes.push(format!("{} in no tetrahedron", counted(isolated, "point", "points")));
+        let n_isolated = used.iter().filter(|&&u| !u).count();
+        if n_isolated > 0 {
+            notes.push(format!("{} in no tetrahedron", counted(n_isolated, "point", "points")));
+        }
+        let n_shared = mesh.n_nonmanifold_faces();
+        if n_shared > 0 {
+            notes.push(format!("{} of more than two tetrahedra", counted(n_shared, "triangle", "triangles")));
         }
         Ok(Loaded { mesh, notes })
     }
