@@ -118,7 +118,7 @@ impl Chart {
         }
         for (idx, panel) in placed.iter().enumerate() {
             draw_axes(&mut svg, panel);
-            curve::draw(&mut svg, panel, &legend, &format!("{id}-{idx}"));
+            curve::draw(&mut svg, panel, &legend, &format!("clip-{id}-{idx}"));
             curve::guide_labels(&mut svg, panel);
         }
         for (idx, note) in notes.iter().enumerate() {

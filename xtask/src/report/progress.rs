@@ -74,6 +74,10 @@ impl Progress {
         let seconds = self.figure_started.elapsed().as_secs_f64();
         self.note(&format!("done in {seconds:.1} s"));
         self.figure.clear();
+        if let Some(bar) = &self.bar {
+            bar.set_position(self.n_steps);
+            bar.set_message("writing");
+        }
         seconds
     }
 

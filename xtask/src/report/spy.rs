@@ -51,23 +51,26 @@ fn density(n: usize, nonzeros: impl IntoIterator<Item = (usize, usize)>) -> Vec<
             continue;
         }
         let (y, x) = ((row as f64 + 0.5) * scale, (column as f64 + 0.5) * scale);
-        for (py, share_y) in overlaps(y - reach, y + reach) {
-            for (px, share_x) in overlaps(x - reach, x + reach) {
-                density[py * side + px] += (share_y * share_x) as f32;
+        for py in pixels(y, reach) {
+            let share = overlap(py, y, reach);
+            let line = &mut density[py * side..(py + 1) * side];
+            for px in pixels(x, reach) {
+                line[px] += (share * overlap(px, x, reach)) as f32;
             }
         }
     }
     density
 }
 
-/// Pixels that the interval touches, with the length inside each.
-fn overlaps(from: f64, to: f64) -> impl Iterator<Item = (usize, f64)> {
-    let (from, to) = (from.max(0.0), to.min(f64::from(PIXELS)));
-    (from.floor() as usize..(to.ceil() as usize).min(PIXELS as usize)).filter_map(move |pixel| {
-        let low = pixel as f64;
-        let length = to.min(low + 1.0) - from.max(low);
-        (length > 1e-6).then_some((pixel, length))
-    })
+/// Pixels that reach from `at` to either side touches.
+fn pixels(at: f64, reach: f64) -> std::ops::Range<usize> {
+    (at - reach).max(0.0) as usize..((at + reach).ceil() as usize).min(PIXELS as usize)
+}
+
+/// Length of the touched part of a pixel.
+fn overlap(pixel: usize, at: f64, reach: f64) -> f64 {
+    let low = pixel as f64;
+    ((at + reach).min(low + 1.0) - (at - reach).max(low)).max(0.0)
 }
 
 /// Darkness grows with the logarithm of the density, up to the densest percent of the pixels that hold anything.

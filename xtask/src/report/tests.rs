@@ -119,3 +119,30 @@ fn a_folder_that_cannot_be_made_is_named() {
     let error = Report::create(&file.join("sub"), info).err().unwrap().to_string();
     assert!(error.contains("file"), "{error}");
 }
+
+#[test]
+fn charts_without_much_data_are_still_drawn() {
+    let nothing = Series::new("nothing");
+    let one = Series::line("one", [(3.0, 2.0)]);
+    let unusable =
+        Series::line("unusable", [(1.0, f64::NAN), (f64::INFINITY, 1.0), (0.0, 0.0), (-1.0, -1.0)]);
+    let equal = Series::new("equal").samples(1.0, &[5.0; 4]).samples(2.0, &[5.0; 4]);
+    for series in [nothing, one, unusable, equal] {
+        for mark in [Mark::Line, Mark::LineWithBars, Mark::Dots] {
+            for (x, y) in [(Axis::linear("x"), Axis::linear("y")), (Axis::log("x"), Axis::log("y"))] {
+                let panel = Panel::new("", x, y).series(series.clone().mark(mark));
+                let svg = Chart::new("", 1).panel(panel).svg("chart").to_file();
+                assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+                let png = raster::png_from_svg("chart", &svg).unwrap();
+                assert!(raster::tests::inspect(&png).2 > 10, "{} is blank", series.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_value_of_zero_on_a_log_axis_is_named_in_the_picture() {
+    let series = Series::line("curve", [(1.0, 0.0), (2.0, 1.0)]);
+    let chart = Chart::new("", 1).panel(Panel::new("", Axis::log("x"), Axis::log("y")).series(series));
+    assert!(chart.svg("c").to_file().contains("no place on a logarithmic axis"));
+}
