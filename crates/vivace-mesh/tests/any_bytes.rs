@@ -1,5 +1,7 @@
 //! Whatever the bytes: an error or a mesh, never a panic, and never more memory than the text can justify.
 
+#![expect(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use proptest::prelude::*;
 use vivace_mesh::{ball, cloth, obj, vtk};
 

@@ -1,5 +1,7 @@
 //! Writing and reading give the same mesh, and other readers of the same formats agree with ours.
 
+#![expect(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use glam::Vec3;
 use proptest::prelude::*;
 use vivace_mesh::{MAX_COORDINATE, Mesh, TetMesh, TriMesh, ball, beam, cloth, load, obj, vtk};

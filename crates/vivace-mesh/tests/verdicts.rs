@@ -3,6 +3,8 @@
 //! The files are made here. Where a folder `../shared/meshes/bad` lies beside the project, its files must meet the same
 //! verdicts.
 
+#![expect(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
