@@ -1,9 +1,12 @@
 //! Smallest-last order (Matula and Beck 1983): the order in which first fit needs at most degeneracy + 1 colors.
 //!
 //! A vertex of smallest remaining degree is taken away again and again; the order is that of the removals turned round, so
-//! each vertex has at most `degeneracy` neighbors before it. *Which* of the smallest is taken is left open by the paper and
-//! decides between 3 and 4 colors on a regular cloth. Here it is the one whose degree changed last (a stack per degree): the
-//! removals then eat along an edge of what is left instead of nibbling at all of them, and no seams form where they would meet.
+//! each vertex has at most `degeneracy` neighbors before it.
+//!
+//! *Reading*: the smallest degree is that of what is left. The array method for core numbers (Batagelj and Zaversnik 2003) lets
+//! no degree fall below the core reached so far, which is enough for the cores but loses order among the rest: on a regular cloth
+//! of 400 x 250 vertices it costs 4 colors instead of 3, with hinges 7 instead of 4. Among vertices of equal degree the one whose
+//! degree changed last goes first (a stack per degree); first in first out, lowest and highest index colored cloths as well.
 
 use crate::Adjacency;
 use crate::num::to_u32;
