@@ -34,15 +34,17 @@ pub(super) fn draw(svg: &mut Svg, placed: &Placed<'_>, legend: &[(&Series, Look)
         .collect();
     svg.raw(&format!("<g clip-path=\"url(#{clip})\">"));
     for (series, look, dots) in &curves {
-        if series.mark == Mark::Line && dots.len() > 1 {
-            band(svg, dots, *look);
-        } else {
-            bars(svg, dots, *look);
+        for run in runs(placed, series, dots) {
+            if series.mark == Mark::Line && run.len() > 1 {
+                band(svg, run, *look);
+            } else {
+                bars(svg, run, *look);
+            }
         }
     }
     for (series, look, dots) in &curves {
-        if series.mark != Mark::Dots && dots.len() > 1 {
-            let line: Vec<_> = dots.iter().map(|dot| (dot.x, dot.mid)).collect();
+        for run in runs(placed, series, dots).filter(|run| series.mark != Mark::Dots && run.len() > 1) {
+            let line: Vec<_> = run.iter().map(|dot| (dot.x, dot.mid)).collect();
             svg.path(&line, false, &look.curve(2.0));
         }
     }
@@ -74,6 +76,14 @@ fn dots(placed: &Placed<'_>, series: &Series) -> Vec<Dot> {
         Some(Dot { x, lo, mid, hi, inside: placed.x.holds(point.x) && placed.y.holds(point.mid) })
     };
     points.into_iter().filter_map(dot).collect()
+}
+
+/// The dots between places without a value: a curve must not bridge what is not known.
+fn runs<'a>(placed: &Placed<'_>, series: &Series, dots: &'a [Dot]) -> impl Iterator<Item = &'a [Dot]> {
+    let mut gaps: Vec<f64> = series.gaps.iter().filter_map(|x| placed.px(*x)).collect();
+    gaps.sort_by(f64::total_cmp);
+    let before = move |dot: &Dot| gaps.partition_point(|gap| *gap < dot.x);
+    dots.chunk_by(move |a, b| before(a) == before(b))
 }
 
 fn band(svg: &mut Svg, dots: &[Dot], look: Look) {

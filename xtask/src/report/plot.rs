@@ -61,6 +61,8 @@ pub struct Series {
     pub(super) n_samples: Option<(usize, usize)>,
     /// Values that were not finite, and where the first was.
     pub(super) not_finite: Option<(usize, f64)>,
+    /// Places without a value, where a curve breaks off.
+    pub(super) gaps: Vec<f64>,
 }
 
 impl Series {
@@ -74,6 +76,7 @@ impl Series {
             quantiles: (0.25, 0.75),
             n_samples: None,
             not_finite: None,
+            gaps: Vec::new(),
         }
     }
 
@@ -114,6 +117,7 @@ impl Series {
     pub fn range(mut self, x: f64, lo: f64, mid: f64, hi: f64) -> Self {
         if !x.is_finite() || !mid.is_finite() {
             self.drop_value(x);
+            self.gaps.push(x);
             return self;
         }
         let end = |v: f64| if v.is_finite() { v } else { mid };
@@ -129,6 +133,7 @@ impl Series {
             self.drop_value(x);
         }
         if sorted.is_empty() {
+            self.gaps.push(x);
             return self;
         }
         sorted.sort_by(f64::total_cmp);

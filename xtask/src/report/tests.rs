@@ -146,3 +146,14 @@ fn a_value_of_zero_on_a_log_axis_is_named_in_the_picture() {
     let chart = Chart::new("", 1).panel(Panel::new("", Axis::log("x"), Axis::log("y")).series(series));
     assert!(chart.svg("c").to_file().contains("no place on a logarithmic axis"));
 }
+
+#[test]
+fn a_curve_breaks_off_where_a_value_is_missing() {
+    let curves = |y: f64| {
+        let series = Series::line("c", [(1.0, 1.0), (2.0, 2.0), (3.0, y), (4.0, 1.0), (5.0, 2.0)]);
+        let chart =
+            Chart::new("", 1).panel(Panel::new("", Axis::linear("x"), Axis::linear("y")).series(series));
+        chart.svg("c").to_file().matches("stroke-linejoin=\"round\"").count()
+    };
+    assert_eq!(curves(f64::NAN), curves(1.0) + 1);
+}
