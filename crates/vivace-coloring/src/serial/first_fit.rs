@@ -28,7 +28,7 @@ pub fn first_fit(graph: &impl Adjacency, order: Order) -> Coloring {
             order.sort_by_key(|&v| std::cmp::Reverse(graph.degree(v)));
             in_order(graph, order)
         }
-        Order::SmallestLast => in_order(graph, smallest_last(graph).order.into_iter().rev()),
+        Order::SmallestLast => in_order(graph, smallest_last(graph).order),
     }
 }
 
