@@ -6,7 +6,7 @@ use crate::mesh::index32;
 use crate::size::{check_count, check_length, check_total};
 use crate::{MeshError, TetMesh, hex};
 
-/// A box of `cells` = `[nx, ny, nz]` cubes with edges of `spacing` [m], its lowest corner in the origin.
+/// A box of `cells` = `[nx, ny, nz]` cubes with edges of `spacing` \[m\], its lowest corner in the origin.
 ///
 /// Vertex `(k·(ny + 1) + j)·(nx + 1) + i` lies at `spacing·(i, j, k)`; six tetrahedra per cube share its diagonal from the lowest
 /// to the highest corner (Kuhn 1960), so that inner vertices have degree 14.

@@ -14,7 +14,7 @@ pub const MAX_JITTER: f32 = 0.45;
 
 /// A grid of `width` × `height` vertices, each square cut by the same diagonal.
 ///
-/// Vertex `j·width + i` lies at `(i, 0, j)·spacing` [m].
+/// Vertex `j·width + i` lies at `(i, 0, j)·spacing` \[m\].
 ///
 /// ```text
 ///     a ------ a+1         x →
@@ -39,7 +39,7 @@ pub fn alternating(width: usize, height: usize, spacing: f32) -> Result<TriMesh,
 
 /// A jittered grid, Delaunay-triangulated: the irregular mesh that a cloth from a modelling tool has.
 ///
-/// Vertices are numbered as in [`regular`]; each is moved uniformly by up to `jitter` spacings [1] in x and in z. Those of the
+/// Vertices are numbered as in [`regular`]; each is moved uniformly by up to `jitter` spacings \[1\] in x and in z. Those of the
 /// border move along it and the corners stay, so that the rectangle is kept. The same seed gives the same mesh. Triangles
 /// ascend by their vertices, and each starts with its lowest.
 ///

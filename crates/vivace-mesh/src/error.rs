@@ -24,7 +24,7 @@ pub enum MeshError {
     TooFar {
         /// Index of the vertex, from 0.
         vertex: usize,
-        /// The offending coordinate [m].
+        /// The offending coordinate \[m\].
         value: f32,
     },
     /// A face or cell names a vertex that is not there.
@@ -57,7 +57,7 @@ pub enum MeshError {
     FlatTet {
         /// Index of the tetrahedron, from 0.
         index: usize,
-        /// Its quality [1], 1 for the regular tetrahedron.
+        /// Its quality \[1\], 1 for the regular tetrahedron.
         quality: f64,
     },
     /// A tetrahedron is well shaped, but its volume is below what an `f32` can hold with full precision.
@@ -149,7 +149,7 @@ pub enum MeshError {
     /// A signed distance function gave NaN or infinity.
     #[error("the signed distance at {point:?} is {value}; the function must be finite inside its bounds")]
     NonFiniteDistance {
-        /// Where [m].
+        /// Where \[m\].
         point: [f64; 3],
         /// What it gave.
         value: f64,
@@ -157,15 +157,15 @@ pub enum MeshError {
     /// A shape's bounding box is infinite, NaN or inverted.
     #[error("the shape's bounds reach from {min:?} to {max:?}; give finite bounds with min <= max")]
     BadBounds {
-        /// Smallest coordinates [m].
+        /// Smallest coordinates \[m\].
         min: [f64; 3],
-        /// Largest coordinates [m].
+        /// Largest coordinates \[m\].
         max: [f64; 3],
     },
     /// No lattice point lies inside the shape.
     #[error("no lattice point lies inside the shape at a cell size of {cell_size} m; use smaller cells")]
     EmptyShape {
-        /// Cell size [m].
+        /// Cell size \[m\].
         cell_size: f64,
     },
     /// The cells are too small for 32-bit indices.
@@ -173,7 +173,7 @@ pub enum MeshError {
         "cells of {cell_size} m need {needed} {what}, but at most {limit} can be numbered; use larger cells"
     )]
     CellTooFine {
-        /// Cell size [m].
+        /// Cell size \[m\].
         cell_size: f64,
         /// What there would be too many of.
         what: &'static str,
@@ -188,9 +188,9 @@ pub enum MeshError {
          the shape to the origin"
     )]
     CellBelowPrecision {
-        /// Cell size [m].
+        /// Cell size \[m\].
         cell_size: f64,
-        /// Largest coordinate of the shape [m].
+        /// Largest coordinate of the shape \[m\].
         coordinate: f64,
     },
 }

@@ -4,18 +4,18 @@ use glam::{DVec3, Vec3};
 
 use crate::MeshError;
 
-/// The largest |coordinate| of a mesh [m].
+/// The largest |coordinate| of a mesh \[m\].
 ///
 /// Two corners are then at most 2·√3·10¹² m apart, and the determinant of three such edges (a tetrahedron's rest shape), at
 /// most 4.2·10³⁷, is still finite in `f32` (3.4·10³⁸), with room for the partial sums. At 10¹³ it would overflow.
 pub const MAX_COORDINATE: f32 = 1e12;
 
-/// A tetrahedron whose quality [1] is not above this is refused as flat.
+/// A tetrahedron whose quality \[1\] is not above this is refused as flat.
 ///
 /// Corners rounded to `f32` make a flat tetrahedron's quality about 10⁻⁷; the slivers of real meshes have 10⁻² and more.
 pub const FLAT_QUALITY: f64 = 1e-6;
 
-/// A triangle mesh: positions [m] and triangles, counter-clockwise seen from outside.
+/// A triangle mesh: positions \[m\] and triangles, counter-clockwise seen from outside.
 ///
 /// Indices are in range, positions finite and within [`MAX_COORDINATE`]; triangles may be degenerate, non-manifold or
 /// unconnected, and vertices may be isolated: all of that is legal cloth. What a volume needs is asked for by
@@ -26,7 +26,7 @@ pub struct TriMesh {
     triangles: Vec<[u32; 3]>,
 }
 
-/// A tetrahedral mesh: positions [m] and tetrahedra `[a, b, c, d]` with `(b - a) · ((c - a) × (d - a)) > 0`.
+/// A tetrahedral mesh: positions \[m\] and tetrahedra `[a, b, c, d]` with `(b - a) · ((c - a) × (d - a)) > 0`.
 ///
 /// No tetrahedron is flat or inverted, and no volume is lost to the range of `f32`. Vertices may be isolated.
 ///
@@ -56,7 +56,7 @@ impl TriMesh {
         Ok(Self { positions, triangles })
     }
 
-    /// Positions [m], one per vertex.
+    /// Positions \[m\], one per vertex.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
     }
@@ -110,7 +110,7 @@ impl TetMesh {
         Ok((Self { positions, tets }, reordered))
     }
 
-    /// Positions [m], one per vertex.
+    /// Positions \[m\], one per vertex.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
     }
@@ -120,7 +120,7 @@ impl TetMesh {
         &self.tets
     }
 
-    /// The corners of one tetrahedron [m].
+    /// The corners of one tetrahedron \[m\].
     pub(crate) fn corners(&self, tet: usize) -> [DVec3; 4] {
         self.tets[tet].map(|v| self.positions[v as usize].as_dvec3())
     }
@@ -135,7 +135,7 @@ pub(crate) fn volume([a, b, c, d]: [DVec3; 4]) -> f64 {
     (b - a).dot((c - a).cross(d - a)) / 6.0
 }
 
-/// 6√2·volume / (root-mean-square edge)³ [1]: 1 for the regular tetrahedron, 0 if flat, negative if inverted.
+/// 6√2·volume / (root-mean-square edge)³ \[1\]: 1 for the regular tetrahedron, 0 if flat, negative if inverted.
 pub(crate) fn quality(corners: [DVec3; 4]) -> f64 {
     let [a, b, c, d] = corners;
     let squares = [b - a, c - a, d - a, c - b, d - b, d - c].map(DVec3::length_squared);

@@ -18,10 +18,10 @@ pub(crate) fn check_count(what: &'static str, n: usize, min: usize) -> Result<()
     Err(MeshError::Size { what, value: n as f64, need })
 }
 
-/// The smallest length [m] that generated meshes are made of: the volume of a cube of it is not lost to the range of `f32`.
+/// The smallest length \[m\] that generated meshes are made of: the volume of a cube of it is not lost to the range of `f32`.
 const MIN_LENGTH: f32 = 1e-12;
 
-/// A length [m]: finite, at least [`MIN_LENGTH`], and `n` of them at most [`MAX_COORDINATE`].
+/// A length \[m\]: finite, at least [`MIN_LENGTH`], and `n` of them at most [`MAX_COORDINATE`].
 pub(crate) fn check_length(what: &'static str, length: f32, n: usize) -> Result<(), MeshError> {
     let value = f64::from(length);
     if !(length.is_finite() && length >= MIN_LENGTH) {

@@ -67,12 +67,12 @@ impl TetMesh {
         (0..self.tets().len()).map(|t| volume(self.corners(t))).collect()
     }
 
-    /// Quality of each tetrahedron [1]: 6√2·volume / (root-mean-square edge length)³, 1 for the regular tetrahedron.
+    /// Quality of each tetrahedron \[1\]: 6√2·volume / (root-mean-square edge length)³, 1 for the regular tetrahedron.
     pub fn qualities(&self) -> Vec<f64> {
         (0..self.tets().len()).map(|t| quality(self.corners(t))).collect()
     }
 
-    /// The smallest and the largest of the six dihedral angles of each tetrahedron [deg].
+    /// The smallest and the largest of the six dihedral angles of each tetrahedron \[deg\].
     pub fn dihedral_angles(&self) -> Vec<[f64; 2]> {
         (0..self.tets().len()).map(|t| dihedral_range(self.corners(t))).collect()
     }

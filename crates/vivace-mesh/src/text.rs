@@ -72,7 +72,7 @@ impl<'a> Text<'a> {
         MeshError::at(self.line, reason)
     }
 
-    /// A coordinate [m] from a word of the current line.
+    /// A coordinate \[m\] from a word of the current line.
     pub(crate) fn coordinate(&self, word: &[u8]) -> Result<f32, MeshError> {
         let value = number::<f32>(word).ok_or_else(|| {
             self.error(format!("{} is no number; write coordinates such as 1.5 or -2e-3", quoted(word)))

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::topology::{self, Side, Sides, edge_key};
 use crate::{MeshError, TriMesh};
 
-/// A triangle is flat if twice its area is not above this times the square of its longest edge [1].
+/// A triangle is flat if twice its area is not above this times the square of its longest edge \[1\].
 pub(crate) const FLAT_TRIANGLE: f64 = 1e-6;
 
 /// Triangles that name a vertex twice have no edges: in none of these is there a self edge, nor any edge of such a triangle.
@@ -117,7 +117,7 @@ impl TriMesh {
         }
     }
 
-    /// The corners of one triangle [m].
+    /// The corners of one triangle \[m\].
     pub(crate) fn triangle_corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles()[triangle].map(|v| self.positions()[v as usize].as_dvec3())
     }
@@ -155,7 +155,7 @@ pub(crate) fn is_flat([a, b, c]: [DVec3; 3]) -> bool {
     2.0 * area([a, b, c]) <= FLAT_TRIANGLE * longest_squared
 }
 
-/// The smallest of the three angles [deg].
+/// The smallest of the three angles \[deg\].
 pub(crate) fn min_angle(corners: [DVec3; 3]) -> f64 {
     let angle = |k: usize| {
         let [at, left, right] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
@@ -165,7 +165,7 @@ pub(crate) fn min_angle(corners: [DVec3; 3]) -> f64 {
     angle(0).min(angle(1)).min(angle(2))
 }
 
-/// The lowest and the highest corner of the box around the positions [m]; zero for none.
+/// The lowest and the highest corner of the box around the positions \[m\]; zero for none.
 pub(crate) fn bounds(positions: &[glam::Vec3]) -> [DVec3; 2] {
     let start = positions.first().copied().unwrap_or_default();
     let (low, high) = positions.iter().fold((start, start), |(low, high), &p| (low.min(p), high.max(p)));
