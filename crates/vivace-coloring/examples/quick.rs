@@ -62,5 +62,47 @@ fn main() {
             );
         }
         println!(" | SFF {sff:.3}");
+        println!("{:?}", blocked_first_fit(&g).class_sizes());
+        let tm = |f: &dyn Fn() -> Coloring| {
+            let mut b = f64::MAX;
+            let mut o = None;
+            for _ in 0..reps.min(20) {
+                let s = Instant::now();
+                let c = f();
+                b = b.min(s.elapsed().as_secs_f64() * 1e3);
+                o = Some(c);
+            }
+            (b, o.unwrap())
+        };
+        let sf = first_fit(&g, Order::Natural);
+        let bl = blocked_first_fit(&g);
+        let (t0, _) = tm(&|| sf.clone());
+        let (t, c) = tm(&|| balance(&g, sf.clone()).coloring);
+        Certificate::check(&g, c.colors()).unwrap();
+        println!(
+            "| balance(sff) {:.3} ratio {:.2} {} {:?}",
+            t - t0,
+            (t - t0) / sff,
+            c.n_colors(),
+            (
+                c.balance(),
+                c.class_sizes().iter().min().map(|&m| m as f64 * c.n_colors() as f64 / g.n_vertices() as f64)
+            )
+        );
+        let (t, c) = tm(&|| reduce(&g, bl.clone()));
+        Certificate::check(&g, c.colors()).unwrap();
+        println!("| reduce(blocked) {:.3} ratio {:.2} {}", t - t0, (t - t0) / sff, c.n_colors());
+        let (t2, d) = tm(&|| balance(&g, c.clone()).coloring);
+        Certificate::check(&g, d.colors()).unwrap();
+        println!(
+            "| balance(reduced) {:.3} ratio {:.2} {} {:?}",
+            t2 - t0,
+            (t2 - t0) / sff,
+            d.n_colors(),
+            (
+                d.balance(),
+                d.class_sizes().iter().min().map(|&m| m as f64 * d.n_colors() as f64 / g.n_vertices() as f64)
+            )
+        );
     }
 }

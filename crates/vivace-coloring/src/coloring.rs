@@ -4,7 +4,7 @@ use vivace_graph::{Adjacency, Csr};
 
 use crate::{Certificate, Violation};
 
-/// A color for every vertex; neighbors differ. Colors are `0..n_colors`, each used.
+/// A color for every vertex, below `n_colors`; neighbors differ. Every color is used, until [`crate::recolor`] empties a class.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Coloring {
     colors: Vec<u32>,
@@ -23,14 +23,14 @@ impl Coloring {
 
     /// From proper colors that leave no number out, as first fit makes them.
     pub(crate) fn dense(colors: Vec<u32>) -> Self {
-        let n_colors = colors.iter().max().map_or(0, |&c| c + 1);
+        let n_colors = colors.iter().copied().max().map_or(0, |c| c + 1);
         debug_assert!(class_sizes(&colors, n_colors).iter().all(|&size| size > 0), "a color is unused");
         Self { colors, n_colors }
     }
 
     /// From colors that are proper by the way they were made. O(n).
     pub(crate) fn compacted(mut colors: Vec<u32>) -> Self {
-        let n_ids = colors.iter().max().map_or(0, |&c| c as usize + 1);
+        let n_ids = colors.iter().copied().max().map_or(0, |c| c as usize + 1);
         let mut new_id = vec![0; n_ids];
         for &c in &colors {
             new_id[c as usize] = 1;
@@ -47,6 +47,12 @@ impl Coloring {
             }
         }
         Self { colors, n_colors }
+    }
+
+    /// Gives `v` a color that none of its neighbors has.
+    pub(crate) fn set(&mut self, v: u32, color: u32) {
+        self.colors[v as usize] = color;
+        self.n_colors = self.n_colors.max(color + 1);
     }
 
     /// Color of each vertex.

@@ -34,18 +34,24 @@
 mod algorithm;
 mod balance;
 mod certificate;
+mod color_set;
 mod coloring;
+mod dissolve;
 mod recolor;
 mod reduce;
 mod rounds;
 mod serial;
 
 pub use algorithm::{Algorithm, Outcome, UnknownAlgorithm, color};
+pub use balance::{Balanced, balance};
 pub use certificate::{Certificate, Violation};
 pub use coloring::{Coloring, Partitions};
+pub use dissolve::dissolve_small_classes;
+pub use recolor::{Recolored, recolor};
+pub use reduce::reduce;
 pub use rounds::{
     ConflictRule, GraphView, ROUND_LIMIT, RoundColoring, Vivace, jones_plassmann, largest_degree_first, luby,
     vivace,
 };
 pub use serial::{Order, blocked_first_fit, dsatur, first_fit};
-pub use vivace_graph::{Adjacency, ConstraintGraph, GraphError};
+pub use vivace_graph::{Adjacency, ConstraintGraph, DynamicGraph, GraphError};

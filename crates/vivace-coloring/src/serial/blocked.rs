@@ -1,45 +1,80 @@
 //! First fit in blocks: parallel, and the same answer on any number of threads.
 //!
-//! The vertices are cut into blocks of consecutive numbers, and [`LANES`] blocks at a time are colored in parallel, each serially by
-//! first fit. A block sees its own colors and those of all earlier groups of blocks, but not those of its own group; where that
-//! made neighbors alike, the higher one is colored again, in ascending order, before the next group begins. Blocks depend on the
-//! number of vertices alone, so threads do not show. (Speculative coloring in supersteps: Bozdağ et al. 2008, whose
-//! repair order depends on the threads.)
+//! The vertices are cut into blocks of consecutive numbers, and [`LANES`] blocks at a time, a *group*, are colored in parallel,
+//! each serially by first fit. A block sees its own colors and those of earlier groups, not the rest of its group. Two things make
+//! up for that before the next group begins:
+//!
+//! - on regular meshes first fit lays a pattern, and two blocks may be out of step: a block's colors are exchanged for one another
+//!   so that fewest clash with lower blocks (and blocks begin where the mesh begins a new row, if it has rows);
+//! - where neighbors are still alike, the higher one is colored again, in ascending order.
+//!
+//! In the end the few vertices that this left with a color of their own join other classes where they can.
+//!
+//! Blocks depend on the graph alone, so threads do not show. (Speculation in supersteps: Bozdağ et al. 2008, where it does.)
 
 use rayon::prelude::*;
 use vivace_graph::ConstraintGraph;
 use vivace_kernels::coloring::UNCOLORED;
 
 use super::Palette;
+use super::align::{Exchange, best_exchange};
 use crate::Coloring;
 use crate::certificate::index;
+use crate::dissolve::dissolve_crumbs;
 
 /// Blocks that are colored at the same time, and so the most threads that are of use.
 const LANES: usize = 8;
 /// Vertices in a block: enough that meshes cross few borders, so few that a group is a small part of a large graph.
 const BLOCK: std::ops::RangeInclusive<usize> = 512..=8192;
 
-/// Colors a graph by first fit in blocks. O(n + m).
+/// Colors a graph by first fit in blocks: colors at most degree + 1 at every vertex. O(n + m).
 #[must_use]
 pub fn blocked_first_fit(graph: &ConstraintGraph) -> Coloring {
-    let n = graph.n_vertices();
-    let block_len = n.div_ceil(LANES).clamp(*BLOCK.start(), *BLOCK.end());
-    let mut colors = vec![UNCOLORED; n];
-    let mut palette = Palette::new(63);
-    for group_start in (0..n).step_by(LANES * block_len) {
-        let group_end = n.min(group_start + LANES * block_len);
-        let (done, group) = colors[..group_end].split_at_mut(group_start);
-        let crossing: Vec<Vec<u32>> = group
-            .par_chunks_mut(block_len)
-            .enumerate()
-            .map(|(lane, block)| {
-                let block_start = group_start + lane * block_len;
-                Block { graph, done, start: index(block_start) }.color(block)
-            })
-            .collect();
-        repair(graph, &crossing, index(group_start), &mut colors, &mut palette);
+    let starts = block_starts(graph);
+    let mut colors = vec![UNCOLORED; graph.n_vertices()];
+    let mut palette = Palette::new();
+    for group in (0..starts.len() - 1).step_by(LANES) {
+        let starts = &starts[group..starts.len().min(group + LANES + 1)];
+        color_group(graph, starts, &mut colors, &mut palette);
     }
+    dissolve_crumbs(graph, &mut colors);
     Coloring::compacted(colors)
+}
+
+/// First vertex of each block, and the number of vertices at the end. A block begins where a vertex is no neighbor of the one
+/// before, if there is such a place nearby: at the start of a row.
+fn block_starts(graph: &ConstraintGraph) -> Vec<u32> {
+    let n = graph.n_vertices();
+    let len = n.div_ceil(LANES).clamp(*BLOCK.start(), *BLOCK.end());
+    let starts_row = |v: &usize| !graph.neighbors(index(*v)).contains(&index(v - 1));
+    let mut starts = vec![0];
+    let mut nominal = len;
+    while nominal + len / 2 < n {
+        starts.push(index((nominal..nominal + len / 4).find(starts_row).unwrap_or(nominal)));
+        nominal += len;
+    }
+    starts.push(index(n));
+    starts
+}
+
+/// Colors the blocks that begin at `starts`; the last entry is the end.
+fn color_group(graph: &ConstraintGraph, starts: &[u32], colors: &mut [u32], palette: &mut Palette) {
+    let (done, group) = colors[..starts[starts.len() - 1] as usize].split_at_mut(starts[0] as usize);
+    let mut blocks: Vec<Block<'_>> = Vec::with_capacity(LANES);
+    let mut rest = group;
+    for ends in starts.windows(2) {
+        let (colors, after) = rest.split_at_mut((ends[1] - ends[0]) as usize);
+        blocks.push(Block { graph, done, start: ends[0], colors, crossing: Vec::new(), outside: Vec::new() });
+        rest = after;
+    }
+    if blocks.len() == 1 {
+        blocks[0].color();
+        return;
+    }
+    blocks.par_iter_mut().for_each(Block::color);
+    align(&mut blocks);
+    let crossing: Vec<Vec<u32>> = blocks.into_iter().map(|block| block.crossing).collect();
+    repair(graph, &crossing, colors, palette);
 }
 
 /// One block and what it may see.
@@ -49,68 +84,114 @@ struct Block<'a> {
     done: &'a [u32],
     /// First vertex.
     start: u32,
+    /// Colors of the block.
+    colors: &'a mut [u32],
+    /// Vertices that may clash: with a lower neighbor in another block of the group, or with a color above their degree.
+    crossing: Vec<u32>,
+    /// Vertices with lower neighbors outside the block, while they are few.
+    outside: Vec<u32>,
 }
 
 impl Block<'_> {
-    /// Colors the block by first fit; returns the vertices with lower neighbors that it could not see.
-    fn color(&self, block: &mut [u32]) -> Vec<u32> {
-        let mut crossing = Vec::new();
-        let mut palette = Palette::new(63);
-        for k in 0..block.len() {
+    /// Colors the block by first fit.
+    fn color(&mut self) {
+        let (offsets, neighbors) = (self.graph.csr().offsets(), self.graph.csr().items());
+        let mut palette = Palette::new();
+        let offsets = &offsets[self.start as usize..=self.start as usize + self.colors.len()];
+        for (k, ends) in offsets.windows(2).enumerate() {
             let v = self.start + index(k);
-            let row = self.graph.neighbors(v);
+            let row = &neighbors[ends[0] as usize..ends[1] as usize];
+            // Bits 0 to 63: the colors of lower neighbors, which come in order: done, unseen, in this block.
             let mut used = 0_u64;
-            let mut beyond = false;
-            let mut crosses = false;
-            for &u in row {
+            let mut highest = 0;
+            let mut inside = row;
+            if row.first().is_some_and(|&u| u < self.start) {
+                let mut k = 0;
+                while let Some(&c) = row.get(k).and_then(|&u| self.done.get(u as usize)) {
+                    used |= 1_u64.wrapping_shl(c);
+                    highest |= c;
+                    k += 1;
+                }
+                let n_done = k;
+                while row.get(k).is_some_and(|&u| u < self.start) {
+                    k += 1;
+                }
+                if k > n_done {
+                    self.crossing.push(v);
+                }
+                if self.outside.len() <= self.colors.len() / 4 {
+                    self.outside.push(v);
+                }
+                inside = &row[k..];
+            }
+            for &u in inside {
                 if u >= v {
                     break;
                 }
-                let c = if u >= self.start {
-                    block[(u - self.start) as usize]
-                } else if (u as usize) < self.done.len() {
-                    self.done[u as usize]
-                } else {
-                    crosses = true;
-                    continue;
-                };
+                let c = self.colors[(u - self.start) as usize];
                 used |= 1_u64.wrapping_shl(c);
-                beyond |= c >= 64;
+                highest |= c;
             }
-            if crosses {
-                crossing.push(v);
-            }
-            block[k] = if beyond || used == u64::MAX {
-                let visible = row.iter().take_while(|&&u| u < v).map(|&u| self.visible(u, block));
-                palette.first_free_of(visible)
+            self.colors[k] = if highest >= 64 || used == u64::MAX {
+                palette.first_free_of(row.iter().take_while(|&&u| u < v).map(|&u| self.visible(u)))
             } else {
                 used.trailing_ones()
             };
         }
-        crossing
     }
 
     /// The color of an earlier vertex, as far as this block can see.
-    fn visible(&self, u: u32, block: &[u32]) -> u32 {
+    fn visible(&self, u: u32) -> u32 {
         if u >= self.start {
-            block[(u - self.start) as usize]
+            self.colors[(u - self.start) as usize]
         } else {
             self.done.get(u as usize).copied().unwrap_or(UNCOLORED)
         }
     }
 }
 
-/// Colors again, in ascending order, who has the color of a lower neighbor in the same group.
-fn repair(
-    graph: &ConstraintGraph,
-    crossing: &[Vec<u32>],
-    group_start: u32,
-    colors: &mut [u32],
-    palette: &mut Palette,
-) {
+/// Exchanges the colors of each block, in ascending order, so that fewest clash with the blocks below.
+fn align(blocks: &mut [Block<'_>]) {
+    let mut exchanges: Vec<Exchange> = vec![Exchange::none()];
+    for b in 1..blocks.len() {
+        let (below, block) = (&blocks[..b], &blocks[b]);
+        let is_local = block.outside.len() <= block.colors.len() / 4;
+        let color_below = |u: u32| {
+            let lane = below.partition_point(|lower| lower.start <= u);
+            match lane.checked_sub(1) {
+                Some(lane) => exchanges[lane].apply(below[lane].colors[(u - below[lane].start) as usize]),
+                None => block.done[u as usize],
+            }
+        };
+        let clashes = block.outside.iter().flat_map(|&v| {
+            let own = block.colors[(v - block.start) as usize];
+            block.graph.neighbors(v).iter().take_while(|&&u| u < block.start).map(move |&u| (u, own))
+        });
+        let clashes = clashes.map(|(u, own)| [color_below(u), own]);
+        let exchange = if is_local { best_exchange(clashes) } else { Exchange::none() };
+        exchanges.push(exchange);
+    }
+    blocks.par_iter_mut().zip(exchanges).filter(|(_, exchange)| !exchange.is_none()).for_each(
+        |(block, exchange)| {
+            for (color, v) in block.colors.iter_mut().zip(block.start..) {
+                *color = exchange.apply(*color);
+                if *color > block.graph.degree(v) {
+                    block.crossing.push(v);
+                }
+            }
+            block.crossing.append(&mut block.outside);
+            block.crossing.sort_unstable();
+            block.crossing.dedup();
+        },
+    );
+}
+
+/// Colors again, in ascending order, who has the color of a lower neighbor or one above its degree.
+fn repair(graph: &ConstraintGraph, crossing: &[Vec<u32>], colors: &mut [u32], palette: &mut Palette) {
     let clashes = |v: u32, colors: &[u32]| {
         let row = graph.neighbors(v);
-        row.iter().any(|&u| u >= group_start && u < v && colors[u as usize] == colors[v as usize])
+        let own = colors[v as usize];
+        own as usize > row.len() || row.iter().take_while(|&&u| u < v).any(|&u| colors[u as usize] == own)
     };
     let clashing: Vec<Vec<u32>> = crossing
         .par_iter()

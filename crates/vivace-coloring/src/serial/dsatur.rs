@@ -17,7 +17,7 @@ pub fn dsatur(graph: &impl Adjacency) -> Coloring {
     let mut heap: BinaryHeap<_> = (0..n).map(|v| entry(0, v)).collect();
     let mut seen: Vec<Seen> = (0..n).map(|_| Seen::default()).collect();
     let mut colors = vec![UNCOLORED; graph.n_vertices()];
-    let mut palette = Palette::new((0..n).map(|v| graph.degree(v)).max().unwrap_or(0));
+    let mut palette = Palette::new();
     while let Some((_, _, std::cmp::Reverse(v))) = heap.pop() {
         if colors[v as usize] != UNCOLORED {
             continue; // an entry from when v saw fewer colors

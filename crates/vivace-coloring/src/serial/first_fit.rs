@@ -34,8 +34,7 @@ pub fn first_fit(graph: &impl Adjacency, order: Order) -> Coloring {
 
 fn in_order(graph: &impl Adjacency, order: impl IntoIterator<Item = u32>) -> Coloring {
     let mut colors = vec![UNCOLORED; graph.n_vertices()];
-    let max_degree = (0..index(graph.n_vertices())).map(|v| graph.degree(v)).max();
-    let mut palette = Palette::new(max_degree.unwrap_or(0));
+    let mut palette = Palette::new();
     for v in order {
         colors[v as usize] = palette.first_free(graph.neighbors(v), &colors);
     }
@@ -45,15 +44,14 @@ fn in_order(graph: &impl Adjacency, order: impl IntoIterator<Item = u32>) -> Col
 /// The colors around one vertex. Each entry says in which call it was last in use, so that nothing is ever cleared.
 #[derive(Debug)]
 pub(crate) struct Palette {
-    /// One entry a color, and a last one for whatever is no color.
+    /// One entry for each color given so far and the next, and a last one for whatever is none of them.
     used_in: Vec<u32>,
     call: u32,
 }
 
 impl Palette {
-    /// For vertices of at most `max_degree` neighbors; colors above `max_degree` never stand in first fit's way.
-    pub(crate) fn new(max_degree: u32) -> Self {
-        Self { used_in: vec![0; max_degree as usize + 2], call: 0 }
+    pub(crate) fn new() -> Self {
+        Self { used_in: vec![0; 64], call: 0 }
     }
 
     /// The smallest color that none of `neighbors` has; [`UNCOLORED`] counts for nothing.
@@ -64,17 +62,22 @@ impl Palette {
 
     /// The smallest color that is not among `used`.
     #[inline]
-    pub(crate) fn first_free_of(&mut self, used: impl Iterator<Item = u32>) -> u32 {
-        self.call = self.call.wrapping_add(1);
-        if self.call == 0 {
-            self.used_in.fill(0);
-            self.call = 1;
+    pub(crate) fn first_free_of(&mut self, used: impl Iterator<Item = u32> + Clone) -> u32 {
+        loop {
+            self.call = self.call.wrapping_add(1);
+            if self.call == 0 {
+                self.used_in.fill(0);
+                self.call = 1;
+            }
+            let call = self.call;
+            let last = self.used_in.len() - 1;
+            for c in used.clone() {
+                self.used_in[(c as usize).min(last)] = call;
+            }
+            if let Some(free) = self.used_in[..last].iter().position(|&used_in| used_in != call) {
+                return index(free);
+            }
+            self.used_in.resize(2 * self.used_in.len(), 0);
         }
-        let call = self.call;
-        let last = self.used_in.len() - 1;
-        for c in used {
-            self.used_in[(c as usize).min(last)] = call;
-        }
-        index(self.used_in.iter().position(|&used_in| used_in != call).unwrap_or(last))
     }
 }

@@ -1,5 +1,6 @@
 //! First fit in its serial orders, DSATUR, and first fit in blocks. The serial ones are the oracles of everything else.
 
+mod align;
 mod blocked;
 mod dsatur;
 mod first_fit;
