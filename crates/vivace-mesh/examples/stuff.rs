@@ -30,16 +30,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("reading the shape {:.2} s", start.elapsed().as_secs_f64());
 
     let start = Instant::now();
-    let (mesh, filled) = Stuffing::with_about_tets(n_tets).fill(shape.as_ref())?;
-    println!("stuffing {:.2} s: {filled:?}", start.elapsed().as_secs_f64());
-    describe(&mesh);
-
+    let mut stuffing = Stuffing::with_about_tets(n_tets);
     if let Some(seed) = seed {
-        let start = Instant::now();
-        let (mesh, changed) = Irregularity { seed, ..Irregularity::default() }.apply(&mesh)?;
-        println!("irregularity {:.2} s: {changed:?}", start.elapsed().as_secs_f64());
-        describe(&mesh);
+        stuffing = stuffing.with_irregularity(Irregularity { seed, ..Irregularity::default() });
     }
+    let (mesh, report) = stuffing.fill(shape.as_ref())?;
+    println!("filling it {:.2} s", start.elapsed().as_secs_f64());
+    println!("{report:#?}");
+    describe(&mesh);
     Ok(())
 }
 

@@ -94,17 +94,16 @@ impl Complex {
         let below = [a, b, c].map(|v| self.across_from(other, v));
         let third = self.take_slot();
         let slots = [slot, other, third];
-        for turn in 0..3 {
+        for (turn, (&slot, tet)) in slots.iter().zip(new).enumerate() {
             let (next, previous) = ((turn + 1) % 3, (turn + 2) % 3);
             // Corners p, a, b, q: across from a lies the next one, from b the previous one.
-            let (from_p, from_q) = (below[previous], above[previous]);
-            self.tets[slots[turn] as usize] = new[turn];
-            self.across[slots[turn] as usize] = [from_p, slots[next], slots[previous], from_q];
+            self.tets[slot as usize] = tet;
+            self.across[slot as usize] = [below[previous], slots[next], slots[previous], above[previous]];
         }
-        for turn in 0..3 {
+        for (turn, &new_slot) in slots.iter().enumerate() {
             let previous = (turn + 2) % 3;
-            self.relink(below[previous], other, slots[turn]);
-            self.relink(above[previous], slot, slots[turn]);
+            self.relink(below[previous], other, new_slot);
+            self.relink(above[previous], slot, new_slot);
         }
         true
     }

@@ -10,6 +10,8 @@ mod winding;
 
 use glam::DVec3;
 
+use crate::MeshError;
+
 pub use basic::{Cuboid, Sphere};
 pub use blend::Blend;
 pub use surface::ClosedSurface;
@@ -71,5 +73,15 @@ impl Bounds {
     /// Edge lengths [m].
     pub fn size(self) -> DVec3 {
         self.max - self.min
+    }
+
+    /// # Errors
+    /// [`MeshError::BadBounds`] unless the box is finite and its corners are in order.
+    pub(crate) fn check(self) -> Result<(), MeshError> {
+        let Self { min, max } = self;
+        if min.is_finite() && max.is_finite() && self.size().is_finite() && min.cmple(max).all() {
+            return Ok(());
+        }
+        Err(MeshError::BadBounds { min: min.to_array(), max: max.to_array() })
     }
 }

@@ -75,7 +75,6 @@ impl Lattice {
     /// Bounds that are no box, a value that is not finite, cells too small for the numbering, no point inside.
     pub(super) fn new(shape: &dyn SignedDistance, cell_size: f64) -> Result<Self, MeshError> {
         let bounds = shape.bounds();
-        check_bounds(bounds)?;
         let blocks = count_blocks(bounds, cell_size)?;
         let n_places = [blocks.x, blocks.y, blocks.z].map(to_index).iter().product();
         let mut lattice = Self {
@@ -98,7 +97,18 @@ impl Lattice {
             return Err(MeshError::EmptyShape { cell_size });
         }
         lattice.keep_neighborhood()?;
+        lattice.check_count()?;
         Ok(lattice)
+    }
+
+    /// Six tetrahedra come with each lattice point inside.
+    fn check_count(&self) -> Result<(), MeshError> {
+        let needed = 6.0 * self.side.iter().filter(|&&side| side == Side::Inside).count() as f64;
+        let limit = f64::from(u32::MAX);
+        if needed < limit {
+            return Ok(());
+        }
+        Err(MeshError::CellTooFine { cell_size: self.cell_size, what: "tetrahedra", needed, limit })
     }
 
     /// How many points are kept.
@@ -244,14 +254,6 @@ fn site_in(block: IVec3, local: usize) -> Site {
     let cell = (local / 2) as i32;
     let within = IVec3::new(cell % BLOCK, cell / BLOCK % BLOCK, cell / (BLOCK * BLOCK));
     Site { cell: (block - 1) * BLOCK + within, sub: local % 2 }
-}
-
-fn check_bounds(bounds: Bounds) -> Result<(), MeshError> {
-    let Bounds { min, max } = bounds;
-    if min.is_finite() && max.is_finite() && bounds.size().is_finite() && min.cmple(max).all() {
-        return Ok(());
-    }
-    Err(MeshError::BadBounds { min: min.to_array(), max: max.to_array() })
 }
 
 /// Blocks along each axis: the box, and one block more on either side.

@@ -18,6 +18,7 @@ use glam::{DVec3, IVec3};
 
 pub use repair::Repairs;
 
+use crate::irregularity::{Irregularity, IrregularityReport};
 use crate::mesh::index32;
 use crate::order::renumber;
 use crate::sdf::SignedDistance;
@@ -41,6 +42,7 @@ use warp::Cuts;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stuffing {
     resolution: Resolution,
+    irregularity: Option<Irregularity>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,23 +65,31 @@ pub struct StuffingReport {
     pub repairs: Repairs,
     /// Numbers of tetrahedra of the components left out, largest first: the mesh is the largest component.
     pub dropped: Vec<usize>,
+    /// What [`Stuffing::with_irregularity`] did.
+    pub irregularity: Option<IrregularityReport>,
 }
 
 impl Stuffing {
     /// Cells of a given edge length [m]. Costs memory and time in proportion to the inverse cube of it.
     pub fn with_cell_size(cell_size: f64) -> Self {
-        Self { resolution: Resolution::CellSize(cell_size) }
+        Self { resolution: Resolution::CellSize(cell_size), irregularity: None }
     }
 
     /// Cells such that there are about so many tetrahedra: the cell size is searched for until the number is within 2 %, or as
     /// near as it got in a few trials.
     pub fn with_about_tets(n_tets: usize) -> Self {
-        Self { resolution: Resolution::AboutTets(n_tets) }
+        Self { resolution: Resolution::AboutTets(n_tets), irregularity: None }
     }
 
     /// As [`Stuffing::with_about_tets`], for the number of vertices.
     pub fn with_about_vertices(n_vertices: usize) -> Self {
-        Self { resolution: Resolution::AboutVertices(n_vertices) }
+        Self { resolution: Resolution::AboutVertices(n_vertices), irregularity: None }
+    }
+
+    /// Makes the mesh irregular afterwards; wanted numbers are those of the irregular mesh.
+    #[must_use]
+    pub fn with_irregularity(self, irregularity: Irregularity) -> Self {
+        Self { irregularity: Some(irregularity), ..self }
     }
 
     /// Fills the inside of `shape`.
@@ -88,16 +98,33 @@ impl Stuffing {
     /// one mesh, bit for bit.
     ///
     /// # Errors
-    /// - [`MeshError::Size`]: a cell size that is not positive, a wanted number of zero;
+    /// - [`MeshError::Size`]: a cell size that is not positive, a wanted number of zero, a setting of the irregularity;
     /// - [`MeshError::BadBounds`], [`MeshError::NonFiniteDistance`]: the function is not usable;
     /// - [`MeshError::EmptyShape`]: no lattice point inside, or nothing left after the repair;
-    /// - [`MeshError::CellTooFine`], [`MeshError::CellBelowPrecision`]: beyond 32-bit indices or coordinates.
+    /// - [`MeshError::CellTooFine`], [`MeshError::CellBelowPrecision`], [`MeshError::TooLarge`]: beyond 32-bit indices or coordinates.
     pub fn fill(&self, shape: &dyn SignedDistance) -> Result<(TetMesh, StuffingReport), MeshError> {
+        let bounds = shape.bounds();
+        bounds.check()?;
+        let extent = bounds.size().max_element();
+        let fill = |cell_size| self.fill_with(shape, cell_size);
         match self.resolution {
-            Resolution::CellSize(cell_size) => fill_cells(shape, cell_size),
-            Resolution::AboutTets(wanted) => target::search(shape, wanted, |mesh| mesh.tets().len()),
-            Resolution::AboutVertices(wanted) => target::search(shape, wanted, |mesh| mesh.positions().len()),
+            Resolution::CellSize(cell_size) => fill(cell_size),
+            Resolution::AboutTets(wanted) => target::search(extent, wanted, fill, |mesh| mesh.tets().len()),
+            Resolution::AboutVertices(wanted) => {
+                target::search(extent, wanted, fill, |mesh| mesh.positions().len())
+            }
         }
+    }
+
+    fn fill_with(
+        &self,
+        shape: &dyn SignedDistance,
+        cell_size: f64,
+    ) -> Result<(TetMesh, StuffingReport), MeshError> {
+        let (mesh, report) = fill_cells(shape, cell_size)?;
+        let Some(irregularity) = self.irregularity else { return Ok((mesh, report)) };
+        let (mesh, changed) = irregularity.apply(&mesh)?;
+        Ok((mesh, StuffingReport { irregularity: Some(changed), ..report }))
     }
 }
 
@@ -116,12 +143,9 @@ fn fill_cells(shape: &dyn SignedDistance, cell_size: f64) -> Result<(TetMesh, St
     if tets.is_empty() {
         return Err(MeshError::EmptyShape { cell_size });
     }
-    if tets.len() >= u32::MAX as usize {
-        return Err(MeshError::TooLarge { what: "tetrahedra", count: tets.len() });
-    }
     let positions = renumber(&positions, &mut tets);
     let mesh = TetMesh::new(positions.iter().map(|p| p.as_vec3()).collect(), tets)?;
-    Ok((mesh, StuffingReport { cell_size, n_values, n_trials: 1, repairs, dropped }))
+    Ok((mesh, StuffingReport { cell_size, n_values, n_trials: 1, repairs, dropped, irregularity: None }))
 }
 
 /// `f32` coordinates must resolve a cell well enough for its angles: a thousandth of it.

@@ -1,7 +1,6 @@
 //! The cell size for a wanted number of tetrahedra or vertices.
 
-use super::{StuffingReport, fill_cells};
-use crate::sdf::SignedDistance;
+use super::StuffingReport;
 use crate::{MeshError, TetMesh};
 
 /// Near enough, as a share of the wanted number.
@@ -16,26 +15,34 @@ struct Trial {
     count: f64,
 }
 
-/// Fills `shape` so that `count` of the mesh comes close to `wanted`.
+/// Calls `fill` with one cell size [m] after another, until `count` of the mesh comes close to `wanted`. `extent` [m] is the
+/// largest of the shape.
 ///
 /// A volume V with surface A holds about a V / h^3 - b A / h^2 of anything, so `count h^3` falls in a straight line with h: two
 /// trials give the line. The trials before the last are coarse and cheap.
 pub(super) fn search(
-    shape: &dyn SignedDistance,
+    extent: f64,
     wanted: usize,
+    fill: impl Fn(f64) -> Result<(TetMesh, StuffingReport), MeshError>,
     count: impl Fn(&TetMesh) -> usize,
 ) -> Result<(TetMesh, StuffingReport), MeshError> {
     if wanted == 0 {
         return Err(MeshError::Size { what: "the wanted number", value: 0.0, need: "at least 1" });
     }
+    if wanted >= u32::MAX as usize {
+        return Err(MeshError::TooLarge { what: "wanted elements", count: wanted });
+    }
+    if extent == 0.0 {
+        return Err(MeshError::EmptyShape { cell_size: 0.0 });
+    }
     let wanted = wanted as f64;
-    let mut cell_size = shape.bounds().size().max_element() / 16.0;
+    let mut cell_size = extent / 16.0;
     let mut trials: Vec<Trial> = Vec::new();
     let mut best: Option<(TetMesh, StuffingReport)> = None;
     let (mut best_miss, mut n_values, mut n_trials) = (f64::INFINITY, 0, 0);
     while n_trials < MAX_TRIALS && best_miss > TOLERANCE {
         n_trials += 1;
-        match fill_cells(shape, cell_size) {
+        match fill(cell_size) {
             // Too coarse for a thin shape.
             Err(MeshError::EmptyShape { .. }) if n_trials < MAX_TRIALS => {
                 cell_size *= 0.5;
