@@ -1,0 +1,208 @@
+//! A second backend: what a kernel run means, in the fewest words.
+//!
+//! One plain loop per form, on one thread, in *descending* order: gathers must not care. Lists are ordered sets, updates read a
+//! copy of the array as it was. It also holds kernels to their contract: an [`Update`] that reads what the same run writes
+//! would differ when done in place, and is refused.
+
+use std::collections::BTreeSet;
+
+use vivace_coloring::{
+    Algorithm, ConstraintGraph, GraphView, RoundColoring, jones_plassmann, largest_degree_first, luby, vivace,
+};
+use vivace_kernels::{
+    Backend, CountDown, Element, Host, Kernel, Map, RoundCount, Select, Update, View, Views,
+};
+
+use crate::generators::to_u32;
+
+/// The backend, right or wrong on purpose.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Naive {
+    /// What is wrong with it; `None` for a right one.
+    pub fault: Option<Fault>,
+}
+
+/// A mistake that a backend could make: comparisons with [`Naive`] must notice each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// A map leaves out the last element of its list.
+    MapStopsShort,
+    /// A selected element stays in the list, too.
+    SelectedStays,
+    /// What was selected is forgotten: the last of it never arrives.
+    SelectionLosesOne,
+    /// A counter that two elements count down goes down by one.
+    CountDownCollides,
+    /// Rounds are numbered from 1.
+    RoundsFromOne,
+    /// Visits are counted after the round.
+    VisitsCountedLate,
+}
+
+impl Fault {
+    /// Each of them.
+    pub const ALL: [Self; 6] = [
+        Self::MapStopsShort,
+        Self::SelectedStays,
+        Self::SelectionLosesOne,
+        Self::CountDownCollides,
+        Self::RoundsFromOne,
+        Self::VisitsCountedLate,
+    ];
+}
+
+impl Naive {
+    fn has(self, fault: Fault) -> bool {
+        self.fault == Some(fault)
+    }
+}
+
+/// Whether the elements are the same, bit for bit.
+fn same<T: Element>(a: &[T], b: &[T]) -> bool {
+    bytemuck::cast_slice::<T, u8>(a) == bytemuck::cast_slice::<T, u8>(b)
+}
+
+impl Backend for Naive {
+    type Memory = Host;
+    type Buffer<T: Element> = Vec<T>;
+    type List = BTreeSet<u32>;
+
+    fn filled<T: Element>(&self, len: usize, value: T) -> Vec<T> {
+        vec![value; len]
+    }
+
+    fn view<'a, T: Element>(&self, buffer: &'a Vec<T>) -> View<'a, Self, T> {
+        buffer
+    }
+
+    fn read<T: Element>(&self, buffer: Vec<T>) -> Vec<T> {
+        buffer
+    }
+
+    fn all(&self, len: usize) -> BTreeSet<u32> {
+        (0..to_u32(len)).collect()
+    }
+
+    fn map<K: Map>(
+        &self,
+        list: &BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        output: &mut Vec<K::Output>,
+    ) {
+        for &i in list.iter().rev().skip(usize::from(self.has(Fault::MapStopsShort))) {
+            K::map(i, uniform, inputs, &mut output[i as usize]);
+        }
+    }
+
+    fn update<K: Update>(
+        &self,
+        list: &BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        state: &mut Vec<K::State>,
+    ) {
+        let (before, mut in_place) = (state.clone(), state.clone());
+        for &i in list.iter().rev() {
+            state[i as usize] = K::update(i, uniform, inputs, &before);
+            in_place[i as usize] = K::update(i, uniform, inputs, &in_place);
+        }
+        assert!(same(state, &in_place), "{} reads what the same run writes", <K as Kernel>::NAME);
+    }
+
+    fn update_in_order<K: Update>(
+        &self,
+        list: &BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        state: &mut Vec<K::State>,
+    ) {
+        for &i in list {
+            state[i as usize] = K::update(i, uniform, inputs, state);
+        }
+    }
+
+    fn select<K: Select>(
+        &self,
+        list: &mut BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        output: &mut Vec<K::Output>,
+    ) -> BTreeSet<u32> {
+        let mut selected = BTreeSet::new();
+        for &i in list.iter().rev() {
+            if K::select(i, uniform, inputs, &mut output[i as usize]) {
+                selected.insert(i);
+            }
+        }
+        if !self.has(Fault::SelectedStays) {
+            list.retain(|i| !selected.contains(i));
+        }
+        if self.has(Fault::SelectionLosesOne) {
+            selected.pop_last();
+        }
+        selected
+    }
+
+    fn count_down<K: CountDown>(
+        &self,
+        list: &BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        counters: &mut Vec<u32>,
+    ) {
+        let mut touched = BTreeSet::new();
+        for &i in list.iter().rev() {
+            for &target in K::targets(i, uniform, inputs) {
+                if touched.insert(target) || !self.has(Fault::CountDownCollides) {
+                    counters[target as usize] = counters[target as usize].saturating_sub(1);
+                }
+            }
+        }
+    }
+
+    fn rounds(
+        &self,
+        limit: u32,
+        list: &mut BTreeSet<u32>,
+        mut round: impl FnMut(u32, &mut BTreeSet<u32>),
+    ) -> RoundCount {
+        let mut count = RoundCount::default();
+        while count.rounds < limit && !list.is_empty() {
+            let before = list.len() as u64;
+            round(count.rounds + u32::from(self.has(Fault::RoundsFromOne)), list);
+            count.rounds += 1;
+            count.visits += if self.has(Fault::VisitsCountedLate) { list.len() as u64 } else { before };
+        }
+        count
+    }
+}
+
+/// All that a round-based coloring tells, on the host.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rounds {
+    /// Color of each vertex, before unused numbers are closed up.
+    pub colors: Vec<u32>,
+    /// Rounds and visits.
+    pub count: RoundCount,
+    /// Who was colored one by one at the end.
+    pub stragglers: Vec<u32>,
+}
+
+/// Runs a round-based algorithm on any backend in the host's memory; `None` for a serial one. `indices` lists a list.
+pub fn in_rounds<B: Backend<Memory = Host>>(
+    backend: &B,
+    algorithm: Algorithm,
+    graph: &ConstraintGraph,
+    indices: impl FnOnce(&B::List) -> Vec<u32>,
+) -> Option<Rounds> {
+    let view = GraphView::of(graph);
+    let RoundColoring { colors, count, stragglers } = match algorithm {
+        Algorithm::Luby { seed } => luby(backend, view, seed),
+        Algorithm::JonesPlassmann { seed } => jones_plassmann(backend, view, seed),
+        Algorithm::LargestDegreeFirst { seed } => largest_degree_first(backend, view, seed),
+        Algorithm::Vivace(options) => vivace(backend, view, &options),
+        _ => return None,
+    };
+    Some(Rounds { stragglers: indices(&stragglers), count, colors: backend.read(colors) })
+}
