@@ -52,6 +52,26 @@ mod tests {
     }
 
     #[test]
+    fn neighbors_agree_on_their_diagonal_whatever_the_numbering() {
+        // Powers of a primitive root of 13 number the twelve corners out of order.
+        for (root, start) in
+            [2_u32, 6, 7, 11].into_iter().flat_map(|root| (1..13).map(move |start| (root, start)))
+        {
+            let number = |x: usize, y: usize, z: usize| {
+                (0..x + 3 * y + 6 * z).fold(start, |power, _| power * root % 13)
+            };
+            let mut positions = vec![Vec3::ZERO; 13];
+            for (x, y, z) in (0..12).map(|k| (k % 3, k / 3 % 2, k / 6)) {
+                positions[number(x, y, z) as usize] = Vec3::new(x as f32, y as f32, z as f32);
+            }
+            let tets = (0..2).flat_map(|i| split(corners(|[x, y, z]| number(i + x, y, z)))).collect();
+            let report = TetMesh::new(positions, tets).unwrap().report();
+            assert_eq!((report.n_tets, report.n_boundary_triangles), (12, 20), "{root} {start}");
+            assert!(report.has_manifold_boundary() && (report.volume - 2.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn in_grid_order_all_six_share_the_main_diagonal() {
         assert!(split([0, 1, 2, 3, 4, 5, 6, 7]).all(|tet| tet.contains(&0) && tet.contains(&7)));
     }

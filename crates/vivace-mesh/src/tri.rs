@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn the_volume_is_exact_far_from_the_origin() {
-        let shifted = mesh(&TETRAHEDRON).positions().iter().map(|p| p + Vec3::splat(1e4)).collect();
+        let shifted = mesh(&TETRAHEDRON).positions().iter().map(|p| p + Vec3::splat(1_048_576.0)).collect();
         let volume = TriMesh::new(shifted, TETRAHEDRON.to_vec()).unwrap().signed_volume();
         assert!((volume - 1.0 / 6.0).abs() < 1e-12);
     }
