@@ -1,3 +1,4 @@
-//! The parts of `cargo xtask` that know plain data only, so that examples and tests can use them too.
+//! The parts of `cargo xtask`: reports from plain data, and one module for each command.
 
+pub mod commands;
 pub mod report;

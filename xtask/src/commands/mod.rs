@@ -1,0 +1,47 @@
+//! One file for each command: its arguments, and `run`.
+
+pub mod color;
+pub mod inspect;
+pub mod test;
+
+mod input;
+mod output;
+mod setup;
+mod vulkan;
+
+use std::io;
+
+use crate::report::ReportError;
+
+/// Why a command ended without doing what it was asked to.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CommandError {
+    /// The command line asks for something that cannot be; the message says what to write instead.
+    #[error("{0}")]
+    Usage(String),
+    /// The command was understood and failed.
+    #[error("{0}")]
+    Failed(String),
+    /// A report could not be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// Whoever reads the output went away, or the disk is full.
+    #[error("cannot write the output: {0}")]
+    Output(io::Error),
+}
+
+impl CommandError {
+    /// What the shell gets: 2 for a command line that cannot be, 1 for anything else.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) => 2,
+            _ => 1,
+        }
+    }
+
+    /// Whether there is nobody left to tell: the reader of a pipe has seen enough.
+    pub fn is_silent(&self) -> bool {
+        matches!(self, Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

@@ -1,0 +1,222 @@
+//! What the checks need beyond Rust: formatting and lints from the toolchain, a Vulkan driver from the system.
+
+use std::process::{Command, Stdio};
+
+use super::vulkan::Vulkan;
+use super::{CommandError, output};
+
+/// A package manager, and how the software driver and the loader are called there.
+struct Manager {
+    program: &'static str,
+    /// How to fetch the lists of packages anew, where that changes nothing else.
+    refresh: Option<&'static [&'static str]>,
+    install: &'static [&'static str],
+}
+
+const MANAGERS: [Manager; 4] = [
+    Manager {
+        program: "apt-get",
+        refresh: Some(&["update"]),
+        install: &[
+            "install",
+            "-y",
+            "--no-install-recommends",
+            "-o",
+            "DPkg::Lock::Timeout=120",
+            "mesa-vulkan-drivers",
+            "libvulkan1",
+        ],
+    },
+    Manager {
+        program: "dnf",
+        refresh: None,
+        install: &["install", "-y", "mesa-vulkan-drivers", "vulkan-loader"],
+    },
+    // Fetching pacman's lists without upgrading everything is unsupported there, so that stays with the user.
+    Manager {
+        program: "pacman",
+        refresh: None,
+        install: &["-S", "--noconfirm", "--needed", "vulkan-swrast", "vulkan-icd-loader"],
+    },
+    Manager {
+        program: "apk",
+        refresh: Some(&["update"]),
+        install: &["add", "mesa-vulkan-swrast", "vulkan-loader"],
+    },
+];
+
+/// Whether the toolchain has rustfmt and clippy.
+///
+/// # Errors
+/// One is missing; the message says how to get it.
+pub(super) fn check_components(cargo: &str) -> Result<(), CommandError> {
+    let has = |command: &str| {
+        let mut probe = Command::new(cargo);
+        probe.args([command, "--version"]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        probe.status().is_ok_and(|status| status.success())
+    };
+    let missing: Vec<&str> = [("fmt", "rustfmt"), ("clippy", "clippy")]
+        .into_iter()
+        .filter(|(command, _)| !has(command))
+        .map(|(_, component)| component)
+        .collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(CommandError::Failed(format!(
+        "the toolchain lacks {}; run `rustup component add {}` (or install them where Rust came from)",
+        missing.join(" and "),
+        missing.join(" ")
+    )))
+}
+
+/// Sees to a Vulkan adapter: installs the software driver if that is asked for, needed and allowed; else says what is missing
+/// and how to get it.
+///
+/// # Errors
+/// An installation that fails. A missing adapter alone is none: nothing needs one yet.
+pub(super) fn vulkan(install: bool) -> Result<(), CommandError> {
+    let Some(found) = Vulkan::find() else { return Ok(()) };
+    if found.is_complete() {
+        return Ok(());
+    }
+    let missing = found.missing();
+    let Some(manager) = MANAGERS.iter().find(|manager| exists(manager.program)) else {
+        return note(&format!(
+            "{missing} missing, and no known package manager; install Mesa's software driver (lavapipe) and \
+             the Vulkan loader with the system's own"
+        ));
+    };
+    let is_root = is_root();
+    let by_hand = manager.command_line(is_root);
+    if !install {
+        let hint = "`cargo xtask test --setup` installs both";
+        return note(&format!("{missing} missing; {hint}, and so does:\n  {by_hand}"));
+    }
+    let Some(rights) = Rights::find(is_root) else {
+        return note(&format!(
+            "{missing} missing; installing takes rights this user does not have. Run:\n  {by_hand}"
+        ));
+    };
+    output::print(&format!("setup: {missing} missing; running `{by_hand}`\n"))?;
+    manager.install(rights).map_err(|report| {
+        CommandError::Failed(format!("the installation failed:\n{report}\nTo try it by hand: {by_hand}"))
+    })?;
+    match Vulkan::find() {
+        Some(after) if !after.is_complete() => Err(CommandError::Failed(format!(
+            "{} still missing after `{by_hand}`; is the system's architecture supported by Mesa?",
+            after.missing()
+        ))),
+        _ => output::print("setup: the software Vulkan driver is installed\n"),
+    }
+}
+
+/// Nothing of this version needs the adapter, so its lack is told and no more.
+fn note(text: &str) -> Result<(), CommandError> {
+    output::print(&format!(
+        "note: {text}\nnote: no test needs a Vulkan adapter yet, so this goes on without\n"
+    ))
+}
+
+/// How commands get to change the system.
+#[derive(Clone, Copy)]
+enum Rights {
+    Root,
+    Sudo,
+}
+
+impl Rights {
+    fn find(is_root: bool) -> Option<Self> {
+        if is_root {
+            return Some(Self::Root);
+        }
+        let may = run(Command::new("sudo").args(["-n", "true"])).is_ok();
+        may.then_some(Self::Sudo)
+    }
+
+    fn command(self, program: &str) -> Command {
+        // `env` carries the variable through sudo, which drops the caller's.
+        let [first, rest] = match self {
+            Self::Root => ["env", ""],
+            Self::Sudo => ["sudo", "-n env"],
+        };
+        let mut command = Command::new(first);
+        command.args(rest.split_whitespace()).args(["DEBIAN_FRONTEND=noninteractive", program]);
+        command
+    }
+}
+
+impl Manager {
+    /// Tries with the lists of packages as they are, and once more with fresh ones.
+    fn install(&self, rights: Rights) -> Result<(), String> {
+        let install = || run(rights.command(self.program).args(self.install));
+        let Some(refresh) = self.refresh else { return install() };
+        install().or_else(|first| {
+            run(rights.command(self.program).args(refresh)).map_err(|second| {
+                format!("{first}\nand `{} {}`:\n{second}", self.program, refresh.join(" "))
+            })?;
+            install()
+        })
+    }
+
+    /// What a person would type.
+    fn command_line(&self, is_root: bool) -> String {
+        let sudo = if is_root { "" } else { "sudo " };
+        let line = |args: &[&str]| format!("{sudo}{} {}", self.program, args.join(" "));
+        let refresh = self.refresh.map(|args| line(args) + " && ").unwrap_or_default();
+        let lock = "-o DPkg::Lock::Timeout=120 ";
+        refresh + &line(self.install).replace(lock, "")
+    }
+}
+
+/// Runs a command that nobody watches; its last lines if it fails.
+fn run(command: &mut Command) -> Result<(), String> {
+    const LINES: usize = 12;
+    let output = command.stdin(Stdio::null()).output().map_err(|error| error.to_string())?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let text = [output.stdout, output.stderr].concat();
+    let text = String::from_utf8_lossy(&text).into_owned();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
+    let last: Vec<String> =
+        lines[lines.len().saturating_sub(LINES)..].iter().map(|line| format!("  {line}")).collect();
+    Err(if last.is_empty() { format!("  {}", output.status) } else { last.join("\n") })
+}
+
+fn exists(program: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
+}
+
+fn is_root() -> bool {
+    let id = Command::new("id").arg("-u").stdin(Stdio::null()).output();
+    id.is_ok_and(|output| output.stdout.trim_ascii() == b"0")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_to_type_are_whole() {
+        let apt = &MANAGERS[0];
+        let packages = "install -y --no-install-recommends mesa-vulkan-drivers libvulkan1";
+        assert_eq!(apt.command_line(true), format!("apt-get update && apt-get {packages}"));
+        assert_eq!(apt.command_line(false), format!("sudo apt-get update && sudo apt-get {packages}"));
+        assert!(MANAGERS[2].command_line(true).starts_with("pacman -S"));
+    }
+
+    #[test]
+    fn a_failure_shows_its_last_lines() {
+        let error = run(Command::new("cargo").arg("no-such-command")).unwrap_err();
+        assert!(error.contains("no-such-command"), "{error}");
+        assert!(run(Command::new("no-such-program-at-all")).is_err());
+    }
+
+    #[test]
+    fn missing_components_are_named_with_their_remedy() {
+        let error = check_components("no-such-cargo").unwrap_err().to_string();
+        assert!(error.contains("rustup component add rustfmt clippy"), "{error}");
+    }
+}
