@@ -63,6 +63,8 @@ fn main() {
         }
         println!(" | SFF {sff:.3}");
         println!("{:?}", blocked_first_fit(&g).class_sizes());
+        let sf = first_fit(&g, Order::Natural);
+        let bl = blocked_first_fit(&g);
         let tm = |f: &dyn Fn() -> Coloring| {
             let mut b = f64::MAX;
             let mut o = None;
@@ -74,8 +76,7 @@ fn main() {
             }
             (b, o.unwrap())
         };
-        let sf = first_fit(&g, Order::Natural);
-        let bl = blocked_first_fit(&g);
+
         let (t0, _) = tm(&|| sf.clone());
         let (t, c) = tm(&|| balance(&g, sf.clone()).coloring);
         Certificate::check(&g, c.colors()).unwrap();

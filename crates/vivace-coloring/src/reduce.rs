@@ -2,15 +2,17 @@
 
 use vivace_graph::{ConstraintGraph, Csr};
 use vivace_kernels::coloring::UNCOLORED;
+use vivace_kernels::pcg;
 
+use crate::certificate::index;
 use crate::serial::Palette;
 use crate::{Coloring, Order, first_fit};
 
-/// Passes without a color less before iterated greedy gives up.
-const PATIENCE: u32 = 3;
-/// Smallest-last costs several passes and grows with the edges; below this mean degree it is tried, too. Cloth (mean degree 6) is why: its
-/// three colors are out of the reach of iterated greedy. Tetrahedra (13 to 15) reach as few colors without it.
-const SPARSE: usize = 13;
+/// Passes at the most.
+const MAX_PASSES: u32 = 16;
+/// Smallest-last costs several passes and grows with the edges; below this mean degree it is tried, too. Cloth (mean degree 6) is
+/// why: its three colors are out of the reach of iterated greedy. Hinges (12) and tetrahedra (13 to 15) need it not.
+const SPARSE: usize = 9;
 
 /// Colors a graph again with as few colors as can be had in a few times the time of first fit; never more than `coloring` has.
 ///
@@ -27,32 +29,36 @@ pub fn reduce(graph: &ConstraintGraph, coloring: Coloring) -> Coloring {
     if other.n_colors() < reduced.n_colors() { other } else { reduced }
 }
 
-/// Passes of first fit over the classes until `PATIENCE` of them gained nothing, or the bound is met.
+/// Passes of first fit over the classes, as long as they gain a color or the last class is all but gone. The last class comes first,
+/// the best of the orders tried; every third pass a random order, since the other falls into cycles.
 fn iterate(graph: &ConstraintGraph, mut coloring: Coloring, bound: u32) -> Coloring {
-    let mut idle = 0;
-    let mut pass = 0;
-    while idle < PATIENCE && coloring.n_colors() > bound {
+    let small = index(graph.n_vertices() / 1000);
+    for pass in 0..MAX_PASSES {
         let before = coloring.n_colors();
-        coloring = first_fit_by_class(graph, coloring, pass);
-        idle = if coloring.n_colors() < before { 0 } else { idle + 1 };
-        pass += 1;
+        if before <= bound {
+            break;
+        }
+        let mut order: Vec<u32> = (0..before).rev().collect();
+        if pass % 3 == 2 {
+            order.sort_by_key(|&c| pcg::hash(c, pcg::key(0, pass)));
+        }
+        coloring = first_fit_by_class(graph, coloring, &order);
+        let last_class = coloring.class_sizes().last().copied();
+        if coloring.n_colors() == before && last_class.is_some_and(|size| size > small) {
+            break;
+        }
     }
     coloring
 }
 
-/// First fit, class after class: the last class first, or now and then the largest.
-fn first_fit_by_class(graph: &ConstraintGraph, coloring: Coloring, pass: u32) -> Coloring {
+/// First fit, class after class.
+fn first_fit_by_class(graph: &ConstraintGraph, coloring: Coloring, order: &[u32]) -> Coloring {
     let n_colors = coloring.n_colors();
-    let mut order: Vec<u32> = (0..n_colors).rev().collect();
-    if pass % 3 == 2 {
-        let sizes = coloring.class_sizes();
-        order.sort_by_key(|&c| std::cmp::Reverse(sizes[c as usize]));
-    }
     let mut colors = coloring.into_colors();
     let classes = Csr::group_by(n_colors as usize, &colors);
     colors.fill(UNCOLORED);
     let mut palette = Palette::new();
-    for class in order {
+    for &class in order {
         for &v in classes.row(class) {
             let row = graph.neighbors(v);
             let used = row.iter().fold([0_u64; 2], |[used, high], &u| {
@@ -80,6 +86,6 @@ fn clique(graph: &ConstraintGraph) -> u32 {
         }
         clique.len()
     };
-    let largest = (0..n).step_by(step).map(|v| grow(crate::certificate::index(v))).max();
-    crate::certificate::index(largest.unwrap_or(0))
+    let largest = (0..n).step_by(step).map(|v| grow(index(v))).max();
+    index(largest.unwrap_or(0))
 }
