@@ -23,8 +23,8 @@ const MAX_SWEEPS: u32 = 32;
 /// can move alone, two classes exchange their members in a connected part of them (a Kempe chain) that holds more of the larger.
 ///
 /// Either way a class at least two larger gives to a smaller, less than the difference, so the sum of squared class sizes falls by at
-/// least two: there are at most (Σ size² − n² / colors) / 2 moves, whatever the graph. Ends when every class is within half a percent
-/// of the mean, or when nothing can move. The coloring is valid after every move; colors may come to stand above their vertex's
+/// least two: there are at most (Σ size² − n² / colors) / 2 moves, whatever the graph. Ends when no class is over the mean by
+/// more than 0.8% or under it by more than 3%, or when nothing can move. The coloring is valid after every move; colors may come to stand above their vertex's
 /// degree. O(n + m) for each of a few sweeps; serial.
 pub fn balance(graph: &impl Adjacency, coloring: Coloring) -> Balanced {
     let n_colors = coloring.n_colors();
@@ -72,6 +72,7 @@ fn exchange(graph: &impl Adjacency, colors: &mut [u32], classes: &mut Classes) -
     for &small in others {
         let mut moved = 0;
         let mut seen = vec![false; colors.len()];
+        let mut chain = Vec::new();
         for v in 0..colors.len() {
             if classes.sizes[large as usize] < classes.sizes[small as usize] + 2 {
                 break;
@@ -79,11 +80,11 @@ fn exchange(graph: &impl Adjacency, colors: &mut [u32], classes: &mut Classes) -
             if colors[v] != large || seen[v] {
                 continue;
             }
-            let chain = kempe_chain(graph, colors, &mut seen, index(v), [large, small]);
+            kempe_chain(graph, colors, &mut seen, index(v), [large, small], &mut chain);
             let n_large = index(chain.iter().filter(|&&u| colors[u as usize] == large).count());
             let surplus = (2 * n_large).saturating_sub(index(chain.len()));
             if surplus > 0 && surplus < classes.sizes[large as usize] - classes.sizes[small as usize] {
-                for u in chain {
+                for &u in &chain {
                     colors[u as usize] = if colors[u as usize] == large { small } else { large };
                 }
                 classes.transfer(large, small, surplus);
@@ -97,15 +98,17 @@ fn exchange(graph: &impl Adjacency, colors: &mut [u32], classes: &mut Classes) -
     0
 }
 
-/// The vertices of two classes that hang together with `v`.
+/// Makes `chain` the vertices of two classes that hang together with `v`.
 fn kempe_chain(
     graph: &impl Adjacency,
     colors: &[u32],
     seen: &mut [bool],
     v: u32,
     classes: [u32; 2],
-) -> Vec<u32> {
-    let mut chain = vec![v];
+    chain: &mut Vec<u32>,
+) {
+    chain.clear();
+    chain.push(v);
     seen[v as usize] = true;
     let mut next = 0;
     while let Some(&u) = chain.get(next) {
@@ -117,7 +120,6 @@ fn kempe_chain(
             }
         }
     }
-    chain
 }
 
 /// Class sizes, and the classes in order of size.
@@ -139,8 +141,9 @@ impl Classes {
     }
 
     fn are_balanced(&self) -> bool {
-        let slack = self.full / 200;
-        self.sizes.iter().all(|&size| size <= self.full + slack && size + slack + 1 >= self.full)
+        let mean = self.full.saturating_sub(1);
+        let range = mean - mean / 33..=self.full.max(mean + mean / 125);
+        self.sizes.iter().all(|size| range.contains(size))
     }
 
     /// A smallest class not in `used`, if it is at least two smaller than `own`.
