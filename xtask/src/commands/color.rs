@@ -30,13 +30,13 @@ pub struct Args {
     #[arg(long, value_name = "NAME", default_value_t = Algorithm::BlockedFirstFit)]
     pub algorithm: Algorithm,
     /// Threads; 0 for one on each core. The colors do not depend on it.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = RangedU64ValueParser::<usize>::new().range(0..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = RangedU64ValueParser::<usize>::new().range(0..=1024))]
     pub threads: usize,
     /// Seed of the algorithms that draw: luby, jones-plassmann, ldf, vivace.
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u64,
     /// How often to measure, after one run to warm up.
-    #[arg(long, value_name = "R", default_value_t = 5, value_parser = RangedU64ValueParser::<usize>::new().range(1..=10_000))]
+    #[arg(long, value_name = "R", default_value_t = 5, allow_negative_numbers = true, value_parser = RangedU64ValueParser::<usize>::new().range(1..=10_000))]
     pub repeat: usize,
     /// Where to write the colors, from 0, one a line; nowhere if not given.
     #[arg(long, value_name = "FILE")]
@@ -179,7 +179,7 @@ fn color(graph: &ConstraintGraph, algorithm: Algorithm, args: &Args) -> Result<T
     for repeat in 1..=args.repeat {
         let start = Instant::now();
         let again = once();
-        milliseconds.push(start.elapsed().as_secs_f64() * 1e3);
+        milliseconds.push(start.elapsed().as_nanos() as f64 / 1e6);
         if again != outcome {
             let message = format!(
                 "{algorithm} gave another coloring in repeat {repeat} than before. Please report this graph"
@@ -214,7 +214,7 @@ impl Target {
             let message = "--out names the graph itself, which would be lost; name another file";
             return Err(CommandError::Usage(message.to_owned()));
         }
-        let is_new = !path.exists();
+        let is_new = path.symlink_metadata().is_err();
         OpenOptions::new()
             .write(true)
             .create(true)

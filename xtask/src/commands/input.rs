@@ -1,5 +1,6 @@
 //! Files of a user: which reader a name asks for, and errors in parts.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
 use vivace_graph::{ConstraintGraph, GraphError, matrix_market};
@@ -80,6 +81,10 @@ pub(crate) fn in_graph_file(path: &Path, error: GraphError) -> Refusal {
             refusal(path, Some(line), format!("{reason}; {remedy}"))
         }
         GraphError::Read { kind, .. } => {
+            let kind = match kind {
+                ErrorKind::NotFound => "no such file".to_owned(),
+                other => other.to_string(),
+            };
             refusal(path, None, format!("{kind}; check the path and the permissions"))
         }
         other => refusal(path, None, other.to_string()),

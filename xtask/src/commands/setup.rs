@@ -9,39 +9,42 @@ use super::{CommandError, output};
 struct Manager {
     program: &'static str,
     /// How to fetch the lists of packages anew, where that changes nothing else.
-    refresh: Option<&'static [&'static str]>,
+    refresh: Option<&'static str>,
     install: &'static [&'static str],
+    /// Added where nobody watches.
+    unattended: &'static [&'static str],
+    packages: [&'static str; 2],
 }
 
 const MANAGERS: [Manager; 4] = [
     Manager {
         program: "apt-get",
-        refresh: Some(&["update"]),
-        install: &[
-            "install",
-            "-y",
-            "--no-install-recommends",
-            "-o",
-            "DPkg::Lock::Timeout=120",
-            "mesa-vulkan-drivers",
-            "libvulkan1",
-        ],
+        refresh: Some("update"),
+        install: &["install", "-y", "--no-install-recommends"],
+        unattended: &["-o", "DPkg::Lock::Timeout=120"],
+        packages: ["mesa-vulkan-drivers", "libvulkan1"],
     },
     Manager {
         program: "dnf",
         refresh: None,
-        install: &["install", "-y", "mesa-vulkan-drivers", "vulkan-loader"],
+        install: &["install", "-y"],
+        unattended: &[],
+        packages: ["mesa-vulkan-drivers", "vulkan-loader"],
     },
     // Fetching pacman's lists without upgrading everything is unsupported there, so that stays with the user.
     Manager {
         program: "pacman",
         refresh: None,
-        install: &["-S", "--noconfirm", "--needed", "vulkan-swrast", "vulkan-icd-loader"],
+        install: &["-S", "--needed", "--noconfirm"],
+        unattended: &[],
+        packages: ["vulkan-swrast", "vulkan-icd-loader"],
     },
     Manager {
         program: "apk",
-        refresh: Some(&["update"]),
-        install: &["add", "mesa-vulkan-swrast", "vulkan-loader"],
+        refresh: Some("update"),
+        install: &["add"],
+        unattended: &[],
+        packages: ["mesa-vulkan-swrast", "vulkan-loader"],
     },
 ];
 
@@ -83,28 +86,33 @@ pub(super) fn vulkan(install: bool) -> Result<(), CommandError> {
     let missing = found.missing();
     let Some(manager) = MANAGERS.iter().find(|manager| exists(manager.program)) else {
         return note(&format!(
-            "{missing} missing, and no known package manager; install Mesa's software driver (lavapipe) and \
-             the Vulkan loader with the system's own"
+            "this machine lacks {missing}, and has no package manager known here; install Mesa's software driver \
+             (lavapipe) and the Vulkan loader with its own"
         ));
     };
     let is_root = is_root();
     let by_hand = manager.command_line(is_root);
     if !install {
-        let hint = "`cargo xtask test --setup` installs both";
-        return note(&format!("{missing} missing; {hint}, and so does:\n  {by_hand}"));
+        let hint = "`cargo xtask test --setup` installs what is missing where it may";
+        return note(&format!("this machine lacks {missing}.\n{hint}; by hand:\n  {by_hand}"));
     }
     let Some(rights) = Rights::find(is_root) else {
         return note(&format!(
-            "{missing} missing; installing takes rights this user does not have. Run:\n  {by_hand}"
+            "this machine lacks {missing}, and installing takes rights that this user does not have; run\n  {by_hand}"
         ));
     };
-    output::print(&format!("setup: {missing} missing; running `{by_hand}`\n"))?;
+    let packages = manager.packages.join(" and ");
+    output::print(&format!(
+        "setup: this machine lacks {missing}\nsetup: installing {packages} with {}\n",
+        manager.program
+    ))?;
     manager.install(rights).map_err(|report| {
-        CommandError::Failed(format!("the installation failed:\n{report}\nTo try it by hand: {by_hand}"))
+        CommandError::Failed(format!("the installation failed:\n{report}\nTo try it by hand:\n  {by_hand}"))
     })?;
     match Vulkan::find() {
         Some(after) if !after.is_complete() => Err(CommandError::Failed(format!(
-            "{} still missing after `{by_hand}`; is the system's architecture supported by Mesa?",
+            "{packages} are installed, but {} cannot be found; \
+             look at VK_DRIVER_FILES and VK_ICD_FILENAMES, if set",
             after.missing()
         ))),
         _ => output::print("setup: the software Vulkan driver is installed\n"),
@@ -136,12 +144,15 @@ impl Rights {
 
     fn command(self, program: &str) -> Command {
         // `env` carries the variable through sudo, which drops the caller's.
-        let [first, rest] = match self {
-            Self::Root => ["env", ""],
-            Self::Sudo => ["sudo", "-n env"],
+        let mut command = match self {
+            Self::Root => Command::new("env"),
+            Self::Sudo => {
+                let mut sudo = Command::new("sudo");
+                sudo.args(["-n", "env"]);
+                sudo
+            }
         };
-        let mut command = Command::new(first);
-        command.args(rest.split_whitespace()).args(["DEBIAN_FRONTEND=noninteractive", program]);
+        command.args(["DEBIAN_FRONTEND=noninteractive", program]);
         command
     }
 }
@@ -149,12 +160,12 @@ impl Rights {
 impl Manager {
     /// Tries with the lists of packages as they are, and once more with fresh ones.
     fn install(&self, rights: Rights) -> Result<(), String> {
-        let install = || run(rights.command(self.program).args(self.install));
+        let command = || rights.command(self.program);
+        let install = || run(command().args(self.install).args(self.unattended).args(self.packages));
         let Some(refresh) = self.refresh else { return install() };
-        install().or_else(|first| {
-            run(rights.command(self.program).args(refresh)).map_err(|second| {
-                format!("{first}\nand `{} {}`:\n{second}", self.program, refresh.join(" "))
-            })?;
+        install().or_else(|before| {
+            run(command().arg(refresh))
+                .map_err(|report| format!("{before}\nand then `{} {refresh}`:\n{report}", self.program))?;
             install()
         })
     }
@@ -162,10 +173,9 @@ impl Manager {
     /// What a person would type.
     fn command_line(&self, is_root: bool) -> String {
         let sudo = if is_root { "" } else { "sudo " };
-        let line = |args: &[&str]| format!("{sudo}{} {}", self.program, args.join(" "));
-        let refresh = self.refresh.map(|args| line(args) + " && ").unwrap_or_default();
-        let lock = "-o DPkg::Lock::Timeout=120 ";
-        refresh + &line(self.install).replace(lock, "")
+        let refresh = self.refresh.map(|verb| format!("{sudo}{} {verb} && ", self.program));
+        let words = [self.install, &self.packages].concat().join(" ");
+        format!("{}{sudo}{} {words}", refresh.unwrap_or_default(), self.program)
     }
 }
 

@@ -9,6 +9,7 @@ use super::{CommandError, output, setup};
 
 /// Run formatting, lints, documentation and all tests; stop at the first failure.
 #[derive(Debug, Clone, clap::Args)]
+#[command(verbatim_doc_comment)]
 pub struct Args {
     /// Install the software Vulkan driver with the system's package manager where
     /// there is none and it may.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use vivace_graph::{ConstraintGraph, GraphBuilder, smallest_last};
 use vivace_mesh::sdf::{Blend, SignedDistance};
 use vivace_mesh::stuffing::Stuffing;
-use vivace_mesh::{DegreeSummary, TetMesh, TriMesh};
+use vivace_mesh::{DegreeSummary, MeshError, TetMesh, TriMesh};
 
 use crate::commands::input::{Input, Refusal, in_graph_file, in_mesh_file};
 
@@ -109,9 +109,9 @@ pub(super) struct ShapeFacts {
     pub(super) bounds: [[f64; 3]; 2],
     /// Edge of the cells of the filling [m].
     pub(super) cell_size: f64,
-    /// Parts that the filling falls into.
-    pub(super) components: usize,
-    /// The filling of the largest part.
+    /// Pieces that the filling falls into; finer cells may join them.
+    pub(super) pieces: usize,
+    /// The filling of the largest piece.
     pub(super) filling: TetFacts,
 }
 
@@ -179,11 +179,18 @@ impl TriangleFacts {
             smallest_angle: report.min_angle,
             area: report.area,
             volume: report.volume,
-            no_volume_boundary: mesh.check_volume_boundary().err().map(|error| error.to_string()),
+            no_volume_boundary: volume_fault(mesh),
             edge_graph,
             hinge_graph,
         })
     }
+}
+
+fn volume_fault(mesh: &TriMesh) -> Option<String> {
+    mesh.check_volume_boundary().err().map(|error| match error {
+        MeshError::NotAVolumeBoundary { fault } => fault,
+        other => other.to_string(),
+    })
 }
 
 impl TetFacts {
@@ -222,7 +229,7 @@ impl ShapeFacts {
         Ok(Self {
             bounds: [bounds.min.to_array(), bounds.max.to_array()],
             cell_size: report.cell_size,
-            components: report.dropped.len() + 1,
+            pieces: report.dropped.len() + 1,
             filling: TetFacts::of(path, &mesh)?,
         })
     }

@@ -79,7 +79,8 @@ impl Lines {
         self.add("surface", &surface.join(", "));
         let volume = facts.volume.map(|volume| format!(", volume {} m^3", short(volume)));
         self.add("area", &format!("{} m^2{}", short(facts.area), volume.unwrap_or_default()));
-        self.add("solid", facts.no_volume_boundary.as_deref().unwrap_or("bounds a volume"));
+        let fault = facts.no_volume_boundary.as_ref().map(|fault| format!("bounds no volume: {fault}"));
+        self.add("solid", fault.as_deref().unwrap_or("bounds a volume"));
         let angle = facts.smallest_angle.map(|angle| format!("smallest {angle:.1} deg"));
         self.add("angles", angle.as_deref().unwrap_or("none: no triangle has an area"));
         let degenerate: Vec<String> = [
@@ -157,9 +158,11 @@ impl Lines {
 
     fn shape(&mut self, facts: &ShapeFacts) {
         self.add("box", &extent(facts.bounds));
-        self.add("parts", &counted(facts.components, "part", "parts"));
-        let cell = format!("with cells of {} m, the largest part:", short(facts.cell_size));
-        self.add("filled", &cell);
+        let pieces = match facts.pieces {
+            1 => "one piece".to_owned(),
+            n => format!("{n} pieces, of which the largest"),
+        };
+        self.add("filled", &format!("with cells of {} m: {pieces}, as follows", short(facts.cell_size)));
         self.tets(&facts.filling);
     }
 }
@@ -178,8 +181,8 @@ fn parts(components: usize, isolated: usize) -> String {
 
 fn degrees(graph: &GraphFacts) -> String {
     format!(
-        "degree {} / {:.2} / {} (min / mean / max), s.d. {:.2}, degeneracy {}",
-        graph.min_degree, graph.mean_degree, graph.max_degree, graph.degree_deviation, graph.degeneracy
+        "degree {} to {}, mean {:.2}, s.d. {:.2}, degeneracy {}",
+        graph.min_degree, graph.max_degree, graph.mean_degree, graph.degree_deviation, graph.degeneracy
     )
 }
 
