@@ -1,0 +1,72 @@
+//! `cargo xtask reproduce-figures`: the paper's figures, measured anew on this machine.
+
+use std::path::{Path, PathBuf};
+
+use super::{CommandError, output};
+use crate::figures::{self, Options, Sizes};
+use crate::report::Progress;
+
+/// Make the paper's coloring figures anew and write a report
+///
+/// Without --quick or --full it takes a few minutes. The report is one page that
+/// needs no other file, beside the figures (SVG, PNG) and the data (CSV, JSON).
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Small sizes: within 3 minutes on 2 cores
+    #[arg(long, conflicts_with = "full")]
+    quick: bool,
+    /// Up to a million vertices
+    #[arg(long)]
+    full: bool,
+    /// Make this figure alone (2 or 3); may be given twice
+    #[arg(long, value_name = "N")]
+    figure: Vec<u32>,
+    /// Folder with your own bunny and armadillo: *.obj (closed surfaces) and *.vtk
+    /// (tetrahedra), found by name; generated stand-ins otherwise
+    #[arg(long, value_name = "DIR")]
+    meshes: Option<PathBuf>,
+    /// Folder of the report [default: out/figures in the workspace]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Seed of meshes and colorings
+    #[arg(long, default_value_t = 2016, value_name = "S")]
+    seed: u64,
+    /// Threads that color [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: Option<u32>,
+}
+
+/// Makes the figures and prints where the report is.
+pub fn run(args: Args) -> Result<(), CommandError> {
+    let sizes = match (args.quick, args.full) {
+        (true, _) => Sizes::quick(),
+        (_, true) => Sizes::full(),
+        _ => Sizes::normal(),
+    };
+    let options = Options {
+        sizes,
+        figures: args.figure,
+        meshes: args.meshes,
+        out: args.out.unwrap_or_else(|| workspace().join("out/figures")),
+        seed: args.seed,
+        n_threads: n_threads(args.threads),
+        source: workspace(),
+    };
+    let mut progress = Progress::new();
+    let page = figures::reproduce(&options, &mut progress)
+        .map_err(|error| CommandError::Failed(error.to_string()))?;
+    drop(progress);
+    output::print(&format!("{}\n", page.canonicalize().unwrap_or(page).display()))
+}
+
+/// The folder of the workspace that this program was built from.
+pub(super) fn workspace() -> PathBuf {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.parent().unwrap_or(package).to_owned()
+}
+
+/// As many threads as asked for, or as the machine has.
+pub(super) fn n_threads(wanted: Option<u32>) -> usize {
+    let wanted = wanted.and_then(|n| usize::try_from(n).ok());
+    wanted.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
+}

@@ -1,0 +1,253 @@
+//! The paper's figures, made anew: one file for each, with the columns of its data at its head.
+
+pub mod ablation;
+pub mod claims;
+pub mod families;
+pub mod fig2;
+pub mod fig3;
+mod fig3_charts;
+pub mod measure;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rayon::ThreadPool;
+use vivace_coloring::Violation;
+use vivace_graph::GraphError;
+use vivace_mesh::MeshError;
+
+use crate::report::{Figure, Progress, Report, ReportError, RunInfo};
+use families::Families;
+
+/// Why a figure could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FigureError {
+    /// The report could not be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A mesh could not be made.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A graph could not be made.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// A coloring is wrong.
+    #[error(
+        "{method} colored a graph wrongly: {violation}; please report this, with the command and the seed"
+    )]
+    Coloring {
+        /// Whose coloring it is.
+        method: String,
+        /// What is wrong with it.
+        violation: Violation,
+    },
+    /// The folder with the user's meshes cannot be read.
+    #[error("cannot read {}: {source}; give --meshes a folder that holds meshes", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The folder holds no mesh of either family.
+    #[error(
+        "{} holds no usable .obj or .vtk file with \"bunny\" or \"armadillo\" in its name; rename yours, or leave --meshes out for generated stand-ins",
+        folder.display()
+    )]
+    NoMeshes {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// There is no such figure.
+    #[error("there is no figure {wanted} here; there are 2 and 3")]
+    NoFigure {
+        /// The number asked for.
+        wanted: u32,
+    },
+    /// Threads could not be started.
+    #[error("cannot start {n_threads} threads: {reason}; give --threads a smaller number")]
+    Threads {
+        /// How many were wanted.
+        n_threads: usize,
+        /// The system's reason.
+        reason: String,
+    },
+}
+
+/// How large the figures' meshes are, and how often they are colored.
+#[derive(Clone, Debug)]
+pub struct Sizes {
+    /// As on the command line: `--quick`, `--full` or nothing.
+    pub flag: &'static str,
+    /// Vertices of the graphs of figure 2.
+    pub fig2: usize,
+    /// Vertices of the graphs of figure 3, ascending.
+    pub fig3: Vec<usize>,
+    /// Vertices of the graphs of the ablation: one of `fig3`.
+    pub ablation: usize,
+    /// Seeds of a graph of figure 3, at most.
+    pub seeds: u32,
+    /// Seeds of a setting of the ablation.
+    pub ablation_seeds: u32,
+    /// Time for the colorings of one graph [s].
+    pub seconds: f64,
+}
+
+impl Sizes {
+    /// Ends within 3 minutes on 2 cores.
+    pub fn quick() -> Self {
+        Self {
+            flag: "--quick",
+            fig2: 10_000,
+            fig3: vec![1_000, 3_000, 6_000, 10_000, 30_000, 100_000],
+            ablation: 10_000,
+            seeds: 30,
+            ablation_seeds: 7,
+            seconds: 3.0,
+        }
+    }
+
+    /// A few minutes.
+    pub fn normal() -> Self {
+        Self {
+            flag: "",
+            fig3: vec![1_000, 3_000, 6_000, 10_000, 30_000, 100_000, 300_000],
+            ablation: 100_000,
+            ablation_seeds: 9,
+            seconds: 10.0,
+            ..Self::quick()
+        }
+    }
+
+    /// Up to a million vertices.
+    pub fn full() -> Self {
+        Self {
+            flag: "--full",
+            fig3: vec![1_000, 3_000, 6_000, 10_000, 30_000, 100_000, 300_000, 1_000_000],
+            ablation_seeds: 15,
+            seconds: 40.0,
+            ..Self::normal()
+        }
+    }
+}
+
+/// What a run is asked for.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Sizes and numbers of runs.
+    pub sizes: Sizes,
+    /// Figures to make, in this order; none for all.
+    pub figures: Vec<u32>,
+    /// A folder with the user's own meshes.
+    pub meshes: Option<PathBuf>,
+    /// The folder that the report goes into.
+    pub out: PathBuf,
+    /// Seed of meshes and colorings.
+    pub seed: u64,
+    /// Threads for the colorings.
+    pub n_threads: usize,
+    /// Folder of the source, for the commit.
+    pub source: PathBuf,
+}
+
+/// What every figure works with.
+pub struct Context<'a> {
+    /// Where meshes come from.
+    pub families: &'a Families,
+    /// The threads that color.
+    pub pool: &'a ThreadPool,
+    /// Sizes and numbers of runs.
+    pub sizes: &'a Sizes,
+    /// Seed of meshes and colorings.
+    pub seed: u64,
+    /// Where the run stands.
+    pub progress: &'a mut Progress,
+    /// What the machine is called in verdicts.
+    pub machine: String,
+}
+
+const ALL: [u32; 2] = [2, 3];
+
+impl Options {
+    /// The command of this run; for one figure alone where `figure` says so.
+    fn command(&self, figure: Option<u32>) -> String {
+        let mut command = "cargo xtask reproduce-figures".to_owned();
+        let mut push = |text: &str| {
+            command.push(' ');
+            command.push_str(text);
+        };
+        if !self.sizes.flag.is_empty() {
+            push(self.sizes.flag);
+        }
+        let figures = figure.map_or_else(|| self.figures.clone(), |figure| vec![figure]);
+        for figure in figures {
+            push(&format!("--figure {figure}"));
+        }
+        if let Some(meshes) = &self.meshes {
+            push(&format!("--meshes {}", quoted(meshes)));
+        }
+        push(&format!("--seed {} --threads {}", self.seed, self.n_threads));
+        command
+    }
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@~\\".contains(c);
+    if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
+}
+
+/// Makes the figures and says where the report is.
+///
+/// # Errors
+/// What cannot be read, made or written; figures already made stay in the report.
+pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, FigureError> {
+    let wanted = if options.figures.is_empty() { ALL.to_vec() } else { options.figures.clone() };
+    if let Some(&wanted) = wanted.iter().find(|&figure| !ALL.contains(figure)) {
+        return Err(FigureError::NoFigure { wanted });
+    }
+    let n_threads = options.n_threads;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build();
+    let pool = pool.map_err(|error| FigureError::Threads { n_threads, reason: error.to_string() })?;
+    let families = match &options.meshes {
+        None => Families::stand_ins(options.seed)?,
+        Some(folder) => {
+            let mut notes = Vec::new();
+            let families = Families::from_folder(folder, options.seed, &mut notes);
+            notes.iter().for_each(|note| progress.note(note));
+            families?
+        }
+    };
+    let info = RunInfo::new(
+        "Vivace: the paper\u{2019}s coloring figures, measured anew",
+        &options.command(None),
+        options.seed,
+        &options.source,
+    );
+    let machine = format!("{}, {n_threads} threads", info.machine.cpu);
+    let info = info
+        .paragraph("Figures 2 and 3 of \u{201c}Vivace: a practical Gauss-Seidel method for stable soft body dynamics\u{201d} (Fratarcangeli, Tibaldo, Pellacini, SIGGRAPH Asia 2016), from our own colorings. The paper prints no numbers with these figures: ours are new measurements, and each sentence of the paper that claims a result stands beside what was found.")
+        .paragraph("Times are of this machine\u{2019}s CPU. The paper\u{2019}s are of a GPU, where all vertices act at once: for that, look at rounds and visits, which are the same on every machine.")
+        .option("Threads that color", n_threads)
+        .option("Sizes", if options.sizes.flag.is_empty() { "default" } else { options.sizes.flag });
+    let mut report = Report::create(&options.out, info)?;
+    let mut context = Context {
+        families: &families,
+        pool: &pool,
+        sizes: &options.sizes,
+        seed: options.seed,
+        progress,
+        machine,
+    };
+    for number in wanted {
+        let command = options.command(Some(number));
+        let figure: Figure = match number {
+            2 => fig2::make(&mut context, &command)?,
+            _ => fig3::make(&mut context, &command)?,
+        };
+        report.add(figure)?;
+    }
+    Ok(report.finish()?)
+}
