@@ -74,36 +74,56 @@ impl List {
         array: &mut [T],
         selects: impl Fn(u32, &mut T) -> bool + Sync,
     ) -> Self {
-        let split = |piece: &[u32], stretch: &mut [T], first: usize| -> (Vec<u32>, Vec<u32>) {
-            piece.iter().partition(|&&i| selects(i, &mut stretch[i as usize - first]))
-        };
         if n_pieces == 1 {
-            let (selected, kept) = split(&self.indices, array, 0);
-            self.indices = kept;
+            let (selected, n_kept) = split_piece(&mut self.indices, array, 0, &selects);
+            self.indices.truncate(n_kept);
             return Self { indices: selected };
         }
         let piece_len = self.indices.len().div_ceil(n_pieces);
-        let mut parts = vec![(Vec::new(), Vec::new()); self.indices.len().div_ceil(piece_len)];
+        let ends: Vec<usize> = self.indices.iter().step_by(piece_len).map(|&i| i as usize).skip(1).collect();
+        let ends = ends.into_iter().chain([array.len()]);
+        let mut parts = vec![(Vec::new(), 0); self.indices.len().div_ceil(piece_len)];
         rayon::scope(|scope| {
-            let mut rest = array;
-            let mut first = 0;
-            let mut chunks = self.indices.chunks(piece_len).zip(&mut parts).peekable();
-            while let Some((piece, part)) = chunks.next() {
-                let end = chunks.peek().map_or(first + rest.len(), |(next, _)| next[0] as usize);
+            let (mut rest, mut first) = (array, 0);
+            for ((piece, part), end) in self.indices.chunks_mut(piece_len).zip(&mut parts).zip(ends) {
                 let (stretch, after) = rest.split_at_mut(end - first);
-                let split = &split;
-                scope.spawn(move |_| *part = split(piece, stretch, first));
+                let selects = &selects;
+                scope.spawn(move |_| *part = split_piece(piece, stretch, first, selects));
                 (rest, first) = (after, end);
             }
         });
         let mut selected = Vec::with_capacity(parts.iter().map(|part| part.0.len()).sum());
-        self.indices.clear();
-        for part in &parts {
+        let mut n_kept = 0;
+        for (k, part) in parts.iter().enumerate() {
             selected.extend_from_slice(&part.0);
-            self.indices.extend_from_slice(&part.1);
+            self.indices.copy_within(k * piece_len..k * piece_len + part.1, n_kept);
+            n_kept += part.1;
         }
+        self.indices.truncate(n_kept);
         Self { indices: selected }
     }
+}
+
+/// Takes what is selected out of `piece`; returns it, and how many are left at the front of `piece`. `stretch` begins at element
+/// `first` of its array.
+fn split_piece<T>(
+    piece: &mut [u32],
+    stretch: &mut [T],
+    first: usize,
+    selects: &impl Fn(u32, &mut T) -> bool,
+) -> (Vec<u32>, usize) {
+    let mut selected = Vec::new();
+    let mut n_kept = 0;
+    for k in 0..piece.len() {
+        let i = piece[k];
+        if selects(i, &mut stretch[i as usize - first]) {
+            selected.push(i);
+        } else {
+            piece[n_kept] = i;
+            n_kept += 1;
+        }
+    }
+    (selected, n_kept)
 }
 
 /// Cuts `indices` into `n_pieces` and `array` into the stretches they own, and calls
