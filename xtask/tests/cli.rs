@@ -149,6 +149,10 @@ fn inspect_shows_what_is_in_good_files() {
     assert_eq!((&ring["kind"], &ring["graph"]["max_degree"]), (&"graph".into(), &2.into()));
     assert_eq!((&shape["kind"], &shape["pieces"]), (&"signed_distance".into(), &1.into()));
     assert!(json.as_array().unwrap().iter().all(|file| file["loads"] == true && file["notes"].is_array()));
+
+    std::fs::write(bench.path("thin.txt"), "cone 0 0 0 1e-6 1 0 0 1e-6\n").unwrap();
+    let said = bench.run(&["inspect", "thin.txt"]);
+    assert!(said.code == 0 && said.out.contains("nothing, so it is thin"), "{}{}", said.out, said.err);
 }
 
 #[test]

@@ -221,7 +221,7 @@ mod tests {
     fn a_failure_shows_its_last_lines() {
         let error = run(Command::new("cargo").arg("no-such-command")).unwrap_err();
         assert!(error.contains("no-such-command"), "{error}");
-        assert!(run(Command::new("no-such-program-at-all")).is_err());
+        assert!(run(&mut Command::new("no-such-program-at-all")).is_err());
     }
 
     #[test]

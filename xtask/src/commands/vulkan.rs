@@ -179,10 +179,13 @@ mod tests {
             found(&[("XDG_DATA_HOME", &data), ("VK_ADD_DRIVER_FILES", &other)]),
             with(&[&installed, &other])
         );
-        assert_eq!(found(&[("XDG_DATA_DIRS", &data), ("VK_ICD_FILENAMES", &other)]), [other.clone()]);
+        assert_eq!(
+            found(&[("XDG_DATA_DIRS", &data), ("VK_ICD_FILENAMES", &other)]),
+            std::slice::from_ref(&other)
+        );
         assert_eq!(
             found(&[("VK_DRIVER_FILES", &icd_folder), ("VK_ICD_FILENAMES", &other)]),
-            [installed.clone()]
+            std::slice::from_ref(&installed)
         );
     }
 

@@ -111,8 +111,8 @@ pub(super) struct ShapeFacts {
     pub(super) cell_size: f64,
     /// Pieces that the filling falls into; finer cells may join them.
     pub(super) pieces: usize,
-    /// The filling of the largest piece.
-    pub(super) filling: TetFacts,
+    /// The filling of the largest piece; none where the shape is too thin for the cells.
+    pub(super) filling: Option<TetFacts>,
 }
 
 impl Facts {
@@ -224,13 +224,14 @@ impl TetFacts {
 impl ShapeFacts {
     fn of(path: &Path, shape: &Blend) -> Result<Self, Refusal> {
         let bounds = shape.bounds();
-        let stuffing = Stuffing::with_cell_size(bounds.size().max_element() / CELLS);
-        let (mesh, report) = stuffing.fill(shape).map_err(|error| in_mesh_file(path, error))?;
-        Ok(Self {
-            bounds: [bounds.min.to_array(), bounds.max.to_array()],
-            cell_size: report.cell_size,
-            pieces: report.dropped.len() + 1,
-            filling: TetFacts::of(path, &mesh)?,
-        })
+        let cell_size = bounds.size().max_element() / CELLS;
+        let (pieces, filling) = match Stuffing::with_cell_size(cell_size).fill(shape) {
+            Ok((mesh, report)) => (report.dropped.len() + 1, Some(TetFacts::of(path, &mesh)?)),
+            // The cells are our choice: the file is not to blame.
+            Err(MeshError::EmptyShape { .. }) => (0, None),
+            Err(error) => return Err(in_mesh_file(path, error)),
+        };
+        let bounds = [bounds.min.to_array(), bounds.max.to_array()];
+        Ok(Self { bounds, cell_size, pieces, filling })
     }
 }

@@ -159,11 +159,14 @@ impl Lines {
     fn shape(&mut self, facts: &ShapeFacts) {
         self.add("box", &extent(facts.bounds));
         let pieces = match facts.pieces {
-            1 => "one piece".to_owned(),
-            n => format!("{n} pieces, of which the largest"),
+            0 => "nothing, so it is thin or its box is wide".to_owned(),
+            1 => "one piece, as follows".to_owned(),
+            n => format!("{n} pieces, the largest as follows"),
         };
-        self.add("filled", &format!("with cells of {} m: {pieces}, as follows", short(facts.cell_size)));
-        self.tets(&facts.filling);
+        self.add("filled", &format!("with cells of {} m: {pieces}", short(facts.cell_size)));
+        if let Some(filling) = &facts.filling {
+            self.tets(filling);
+        }
     }
 }
 
