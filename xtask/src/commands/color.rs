@@ -63,7 +63,7 @@ struct Answer {
     rounds: u32,
     /// Size of the largest class over the mean size.
     balance: f64,
-    /// Time of coloring alone, reading and building the graph excluded [ms].
+    /// Time of coloring alone, reading and building the graph excluded \[ms\].
     median_ms: f64,
     min_ms: f64,
     max_ms: f64,
@@ -158,7 +158,7 @@ fn read_graph(path: &Path, hinges: bool) -> Result<ConstraintGraph, CommandError
 /// An outcome and how long it took, again and again.
 struct Timed {
     outcome: Outcome,
-    /// Ascending [ms].
+    /// Ascending \[ms\].
     milliseconds: Vec<f64>,
 }
 

@@ -45,7 +45,7 @@ pub(super) struct TriangleFacts {
     pub(super) triangles: usize,
     pub(super) edges: usize,
     pub(super) hinges: usize,
-    /// Lowest and highest corner of the bounding box [m].
+    /// Lowest and highest corner of the bounding box \[m\].
     pub(super) bounds: [[f64; 3]; 2],
     pub(super) components: usize,
     pub(super) isolated_vertices: usize,
@@ -60,7 +60,7 @@ pub(super) struct TriangleFacts {
     pub(super) misoriented_edges: usize,
     pub(super) repeated_triangles: usize,
     pub(super) flat_triangles: usize,
-    /// [deg]
+    /// \[deg\]
     pub(super) smallest_angle: Option<f64>,
     /// [m^2]
     pub(super) area: f64,
@@ -79,7 +79,7 @@ pub(super) struct TetFacts {
     pub(super) vertices: usize,
     pub(super) tetrahedra: usize,
     pub(super) edges: usize,
-    /// Lowest and highest corner of the bounding box [m].
+    /// Lowest and highest corner of the bounding box \[m\].
     pub(super) bounds: [[f64; 3]; 2],
     pub(super) components: usize,
     pub(super) isolated_vertices: usize,
@@ -90,7 +90,7 @@ pub(super) struct TetFacts {
     pub(super) nonmanifold_boundary_edges: usize,
     pub(super) nonmanifold_boundary_vertices: usize,
     pub(super) nonmanifold_faces: usize,
-    /// Smallest and largest [deg].
+    /// Smallest and largest \[deg\].
     pub(super) dihedral_angles: Option<[f64; 2]>,
     /// Smallest and mean, 1 for the regular tetrahedron.
     pub(super) quality: Option<[f64; 2]>,
@@ -105,9 +105,9 @@ pub(super) struct TetFacts {
 /// A shape, seen through a coarse filling of it.
 #[derive(Serialize)]
 pub(super) struct ShapeFacts {
-    /// Lowest and highest corner of a box around it, not the tightest [m].
+    /// Lowest and highest corner of a box around it, not the tightest \[m\].
     pub(super) bounds: [[f64; 3]; 2],
-    /// Edge of the cells of the filling [m].
+    /// Edge of the cells of the filling \[m\].
     pub(super) cell_size: f64,
     /// Pieces that the filling falls into; finer cells may join them.
     pub(super) pieces: usize,
