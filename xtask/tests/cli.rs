@@ -1,5 +1,7 @@
 //! The built program: exit codes, output, files.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
