@@ -1,4 +1,5 @@
 //! The parts of `cargo xtask`: reports from plain data, and one module for each command.
 
 pub mod commands;
+pub mod figures;
 pub mod report;

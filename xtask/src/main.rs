@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use xtask::commands::{CommandError, color, inspect, test};
+use xtask::commands::{CommandError, color, fuzz, inspect, reproduce_figures, test};
 
 /// Vivace's chores: the checks of the project, and tools for meshes and graphs of your own.
 #[derive(Parser)]
@@ -15,9 +15,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    ReproduceFigures(reproduce_figures::Args),
     Test(test::Args),
     Inspect(inspect::Args),
     Color(color::Args),
+    Fuzz(fuzz::Args),
 }
 
 fn main() -> ExitCode {
@@ -34,8 +36,10 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<(), CommandError> {
     match command {
+        Command::ReproduceFigures(args) => reproduce_figures::run(args),
         Command::Test(args) => test::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Color(args) => color::run(args),
+        Command::Fuzz(args) => fuzz::run(args),
     }
 }

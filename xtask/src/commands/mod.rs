@@ -1,7 +1,9 @@
 //! One file for each command: its arguments, and `run`.
 
 pub mod color;
+pub mod fuzz;
 pub mod inspect;
+pub mod reproduce_figures;
 pub mod test;
 
 mod input;

@@ -10,7 +10,7 @@ use vivace_coloring::{Algorithm, ConflictRule, Vivace};
 use super::families::{Families, Family, Model};
 use super::measure::{Effort, Measured, Method, Run, measure};
 use super::{Context, FigureError};
-use crate::report::{Axis, Chart, Panel, Series, Table, Value};
+use crate::report::{Axis, Chart, Panel, Scale, Series, Table, Value};
 
 /// Shrink factors that are compared.
 pub const SHRINKS: [f32; 6] = [1.5, 2.0, 2.5, 3.0, 4.0, 6.0];
@@ -73,6 +73,12 @@ impl Ablation {
             !s.is_min_degree && s.vivace.shrink.to_bits() == shrink.to_bits() && s.vivace.conflict == rule
         };
         self.settings.iter().find(is_it)
+    }
+
+    /// What the chart shows.
+    fn curves(&self) -> impl Iterator<Item = &Setting> {
+        let is_shown = |s: &&Setting| !s.is_min_degree && SHRINKS.contains(&s.vivace.shrink);
+        self.settings.iter().filter(is_shown).filter(|s| s.vivace.conflict != ConflictRule::None)
     }
 
     /// The runs at s = minimum degree.
@@ -146,7 +152,10 @@ pub fn chart(families: &Families, ablations: &[Ablation]) -> Chart {
             (Axis::linear("Visits per vertex").min(1.0), visits),
         ];
         for (y, of) in panels {
-            let mut panel = Panel::new(name, x(), y).guide_x(2.5, "default");
+            // Room for the word at the line of reference.
+            let highest = ablation.curves().map(|s| s.measured.quantile(0.75, of)).fold(1.0, f64::max);
+            let room = if y.scale == Scale::Log { 1.5 } else { 1.2 };
+            let mut panel = Panel::new(name, x(), y.max(room * highest)).guide_x(2.5, "default");
             for (rule, name) in [
                 (ConflictRule::HighestHash, "Priority by hash (default)"),
                 (ConflictRule::HighestIndex, "Priority by index (the paper)"),

@@ -73,7 +73,7 @@ pub fn make(context: &mut Context<'_>, command: &str) -> Result<Figure, FigureEr
         .cell_width(190.0)
         .note("Gray: nonzeros under a pixel, on a logarithmic scale of its own for each matrix. Vertices sorted by color, within a color in the order of the mesh.")
         .note("Blue: the blocks on the diagonal, each an independent set, which hold the diagonal alone. Orange: the bounds between colors.")
-        .note(&format!("Times: mean \u{b1} standard deviation over {RUNS} runs, each with a seed of its own; colors: most frequent first, with the range."));
+        .note(&format!("Over {RUNS} runs, each with a seed of its own. Colors: the most frequent number, and the range. Time: mean, and median with quartiles."));
     let mut runs = Table::new("", &COLUMNS);
     let mut summary = Table::new(
         &format!("Over {RUNS} seeds"),
@@ -145,7 +145,8 @@ fn ordered(model: &Model, measured: &Measured) -> Result<Cell, FigureError> {
     let time = |run: &Run| run.ms;
     let lines = [
         format!("{} colors", colors(measured)),
-        format!("{} \u{b1} {} ms", digits(measured.mean(time)), digits(deviation(measured))),
+        format!("mean {} ms", digits(measured.mean(time))),
+        format!("median {} ({}) ms", digits(measured.median(time)), quartiles(measured)),
     ];
     Ok(spy(model.graph.n_vertices(), nonzeros(model, |v| place[v as usize]), &sizes, &lines)?)
 }
@@ -175,6 +176,11 @@ fn deviation(measured: &Measured) -> f64 {
     (measured.samples(|run| (run.ms - mean).powi(2)).iter().sum::<f64>() / (n - 1.0)).sqrt()
 }
 
+fn quartiles(measured: &Measured) -> String {
+    let at = |q| digits(measured.quantile(q, |run| run.ms));
+    format!("{}\u{2013}{}", at(0.25), at(0.75))
+}
+
 fn digits(ms: f64) -> String {
     let decimals = if ms < 0.1 {
         3
@@ -194,7 +200,7 @@ fn summary_row(name: &str, m: &Measured) -> Vec<Value> {
         colors(m).into(),
         format!("{} \u{b1} {}", digits(m.mean(time)), digits(deviation(m))).into(),
         m.median(time).into(),
-        format!("{} to {}", digits(m.quantile(0.25, time)), digits(m.quantile(0.75, time))).into(),
+        quartiles(m).into(),
         m.median(|run| f64::from(run.rounds)).into(),
         m.median(|run| run.shares.largest).into(),
     ]

@@ -104,7 +104,7 @@ impl Sizes {
             ablation: 10_000,
             seeds: 30,
             ablation_seeds: 7,
-            seconds: 3.0,
+            seconds: 5.0,
         }
     }
 

@@ -275,18 +275,23 @@ impl Chart {
     /// The notes, and what must be said about spread and about values that cannot be shown.
     pub fn all_notes(&self) -> Vec<String> {
         let mut notes = self.notes.clone();
-        for panel in &self.panels {
-            for series in &panel.series {
-                let Some((few, many)) = series.n_samples.filter(|_| series.has_spread()) else { continue };
-                let shape = if series.mark == Mark::Line { "Shade" } else { "Bars" };
-                let (lo, hi) = (100.0 * series.quantiles.0, 100.0 * series.quantiles.1);
-                let count = if few == many { format!("{few}") } else { format!("{few} to {many}") };
-                let note =
-                    format!("Markers: median of {count} samples. {shape}: {lo:.0}% to {hi:.0}% quantile.");
-                if !notes.contains(&note) {
-                    notes.push(note);
-                }
+        // Series of one kind share a note, however many samples each has.
+        let mut kinds: Vec<(&str, (f64, f64), usize, usize)> = Vec::new();
+        for series in self.panels.iter().flat_map(|panel| &panel.series) {
+            let Some((few, many)) = series.n_samples.filter(|_| series.has_spread()) else { continue };
+            let shape = if series.mark == Mark::Line { "Shade" } else { "Bars" };
+            match kinds.iter_mut().find(|kind| kind.0 == shape && kind.1 == series.quantiles) {
+                Some(kind) => (kind.2, kind.3) = (kind.2.min(few), kind.3.max(many)),
+                None => kinds.push((shape, series.quantiles, few, many)),
             }
+        }
+        for (shape, (lo, hi), few, many) in kinds {
+            let count = if few == many { format!("{few}") } else { format!("{few} to {many}") };
+            notes.push(format!(
+                "Markers: median of {count} samples. {shape}: {:.0}% to {:.0}% quantile.",
+                100.0 * lo,
+                100.0 * hi
+            ));
         }
         for panel in &self.panels {
             let place = if panel.title.is_empty() {
