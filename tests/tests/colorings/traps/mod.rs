@@ -11,8 +11,8 @@ use vivace_coloring::{
 use vivace_cpu::{Cpu, List};
 use vivace_graph::{ConstraintGraph, GraphError};
 use vivace_kernels::coloring::{
-    AcceptColor, AcceptColorUniform, CONFLICT_HASH, CONFLICT_INDEX, ProposeColor, ProposeColorUniform,
-    UNCOLORED,
+    AcceptColor, AcceptColorUniform, CONFLICT_HASH, CONFLICT_INDEX, CONFLICT_NONE, ProposeColor,
+    ProposeColorUniform, UNCOLORED,
 };
 use vivace_kernels::{Backend, pcg};
 use vivace_tests::generators::{
@@ -182,6 +182,27 @@ fn trap_06_highest_among_the_wrong_neighbors() {
         assert_eq!((uncolored.n_stuck, same.n_stuck), (0, 0));
         assert!(uncolored.rounds > same.rounds, "{} {}", uncolored.rounds, same.rounds);
         ends_and_is_proper(graph, ours(2.0));
+    }
+}
+
+/// Of a pair that drew the same color, the higher index wins, or the higher hash.
+#[test]
+fn trap_06_who_wins() {
+    let winners = |graph: &ConstraintGraph, rule: u32, key: u32| {
+        let n = graph.n_vertices();
+        let same = vec![3; n];
+        let inputs = (graph.csr().offsets(), graph.csr().items(), &same[..]);
+        let uniform = AcceptColorUniform { key, rule };
+        let mut colors = vec![UNCOLORED; n];
+        let won = Cpu::new().select::<AcceptColor>(&mut List::all(n), &uniform, inputs, &mut colors);
+        won.indices().to_vec()
+    };
+    for key in 0..20 {
+        assert_eq!(winners(&path(2), CONFLICT_INDEX, key), [1]);
+        assert_eq!(winners(&star(3), CONFLICT_INDEX, key), [1, 2, 3]);
+        let by_hash = u32::from(pcg::hash(1, key) > pcg::hash(0, key));
+        assert_eq!(winners(&path(2), CONFLICT_HASH, key), [by_hash]);
+        assert!(winners(&path(2), CONFLICT_NONE, key).is_empty());
     }
 }
 
