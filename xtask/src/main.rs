@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use xtask::commands::{CommandError, color, fuzz, inspect, reproduce_figures, test};
+use xtask::commands::{CommandError, bench_coloring, color, fuzz, inspect, reproduce_figures, test};
 
 /// Vivace's chores: the checks of the project, and tools for meshes and graphs of your own.
 #[derive(Parser)]
@@ -19,6 +19,7 @@ enum Command {
     Test(test::Args),
     Inspect(inspect::Args),
     Color(color::Args),
+    BenchColoring(bench_coloring::Args),
     Fuzz(fuzz::Args),
 }
 
@@ -40,6 +41,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Test(args) => test::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Color(args) => color::run(args),
+        Command::BenchColoring(args) => bench_coloring::run(args),
         Command::Fuzz(args) => fuzz::run(args),
     }
 }

@@ -1,5 +1,6 @@
 //! One file for each command: its arguments, and `run`.
 
+pub mod bench_coloring;
 pub mod color;
 pub mod fuzz;
 pub mod inspect;
