@@ -1,0 +1,137 @@
+//! The figures end to end, at sizes so small that only their form can be looked at, never a time.
+
+#![expect(clippy::unwrap_used, reason = "a failed test may panic")]
+
+use std::path::{Path, PathBuf};
+
+use vivace_mesh::{ball, obj, vtk};
+use xtask::figures::{self, Options, Sizes};
+use xtask::report::Progress;
+
+fn tiny() -> Sizes {
+    Sizes {
+        flag: "--quick",
+        fig2: 400,
+        fig3: vec![300, 600],
+        ablation: 300,
+        seeds: 2,
+        ablation_seeds: 2,
+        seconds: 0.0,
+    }
+}
+
+fn options(out: &Path, figures: Vec<u32>, meshes: Option<PathBuf>) -> Options {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    Options { sizes: tiny(), figures, meshes, out: out.to_owned(), seed: 5, n_threads: 2, source }
+}
+
+fn read(out: &Path, name: &str) -> String {
+    std::fs::read_to_string(out.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Every column of a data file is explained at the head of the file that makes it.
+fn columns_are_documented(csv: &str, source: &str) {
+    let head: String = source.lines().take_while(|line| line.starts_with("//!")).collect();
+    let columns = csv.lines().next().unwrap().split(',');
+    for column in columns {
+        assert!(head.contains(&format!("`{column}`")), "column {column} is not documented");
+    }
+}
+
+#[test]
+fn both_figures_are_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    let page = figures::reproduce(&options(out, Vec::new(), None), &mut Progress::silent()).unwrap();
+    assert_eq!(page, out.join("report.html"));
+
+    let html = read(out, "report.html");
+    assert!(html.contains("Bunny stand-in (hare)") && html.contains("STAND-IN for the Armadillo"));
+    for command in ["--quick --figure 2 --seed 5 --threads 2", "--quick --figure 3 --seed 5 --threads 2"] {
+        assert!(html.contains(&format!("cargo xtask reproduce-figures {command}")), "{command}");
+    }
+    for file in ["fig2.svg", "fig2.png", "fig3.svg", "fig3.png", "fig3-2.png", "fig3-3.png", "fig3-4.png"] {
+        assert!(out.join(file).metadata().unwrap().len() > 1000, "{file}");
+    }
+    let fig2 = include_str!("../src/figures/fig2.rs");
+    let fig3 = include_str!("../src/figures/fig3.rs");
+    columns_are_documented(&read(out, "fig2.csv"), fig2);
+    columns_are_documented(&read(out, "fig3.csv"), &format!("{}{fig3}", head(fig2)));
+    columns_are_documented(&read(out, "fig3-summary.csv"), fig3);
+    columns_are_documented(&read(out, "fig3-graphs.csv"), fig3);
+    columns_are_documented(&read(out, "fig3-ablation.csv"), include_str!("../src/figures/ablation.rs"));
+    // Three families, four methods, thirty seeds; three families, two sizes, six methods, two seeds.
+    assert_eq!(read(out, "fig2.csv").lines().count(), 1 + 3 * 4 * 30);
+    assert_eq!(read(out, "fig3.csv").lines().count(), 1 + 3 * 2 * 6 * 2);
+
+    let report: serde_json::Value = serde_json::from_str(&read(out, "report.json")).unwrap();
+    let claims = report["figures"][1]["claims"].as_array().unwrap();
+    assert!(claims.len() >= 15);
+    let verdict_of = |text: &str| {
+        let claim = claims.iter().find(|claim| claim["paper"].as_str().unwrap().contains(text)).unwrap();
+        claim["verdict"].as_str().unwrap().to_owned()
+    };
+    // Whatever the machine: without a rule for conflicts Algorithm 2 does not end.
+    assert_eq!(verdict_of("greatly reduce the number of coloring rounds"), "held");
+    assert_eq!(verdict_of("speed, time on a GPU"), "not testable here");
+    assert_eq!(verdict_of("speed, rounds and visits"), "held");
+}
+
+fn head(source: &str) -> String {
+    source.lines().take_while(|line| line.starts_with("//!")).map(|line| format!("{line}\n")).collect()
+}
+
+#[test]
+fn one_seed_gives_the_same_colorings_again() {
+    let colors = || {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path();
+        figures::reproduce(&options(out, vec![2], None), &mut Progress::silent()).unwrap();
+        assert!(!out.join("fig3.csv").exists());
+        let without_time = |line: &str| {
+            let cells: Vec<&str> =
+                line.split(',').enumerate().filter(|(k, _)| *k != 9).map(|(_, c)| c).collect();
+            cells.join(",")
+        };
+        read(out, "fig2.csv").lines().map(without_time).collect::<Vec<_>>()
+    };
+    assert_eq!(colors(), colors());
+}
+
+#[test]
+fn meshes_of_the_user_are_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let (meshes, out) = (folder.path().join("meshes"), folder.path().join("out"));
+    std::fs::create_dir_all(meshes.join("deep/er")).unwrap();
+    let solid = ball::layered(8, 1.0).unwrap();
+    let (surface, _) = solid.boundary_mesh().unwrap();
+    obj::write(meshes.join("My_Bunny.obj"), &surface).unwrap();
+    vtk::write(meshes.join("deep/er/small-armadillo.VTK"), &solid).unwrap();
+    std::fs::write(meshes.join("armadillo_broken.vtk"), "no mesh").unwrap();
+
+    let options = options(&out, vec![3], Some(meshes.clone()));
+    figures::reproduce(&options, &mut Progress::silent()).unwrap();
+    let graphs = read(&out, "fig3-graphs.csv");
+    assert!(graphs.contains("My_Bunny.obj, stuffed"), "{graphs}");
+    let n = solid.positions().len();
+    assert!(
+        graphs.contains(&format!("small-armadillo.VTK,{n},"))
+            || graphs.contains("boundary of small-armadillo.VTK, stuffed"),
+        "{graphs}"
+    );
+    let html = read(&out, "report.html");
+    assert!(html.contains("Bunny (tetrahedra)") && !html.contains("STAND-IN"));
+    assert!(html.contains("--meshes"));
+}
+
+#[test]
+fn what_cannot_be_made_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let fail = |figures, meshes| {
+        let options = options(&folder.path().join("out"), figures, meshes);
+        figures::reproduce(&options, &mut Progress::silent()).unwrap_err().to_string()
+    };
+    assert!(fail(vec![4], None).contains("there are 2 and 3"));
+    assert!(fail(vec![2], Some(folder.path().join("none"))).contains("--meshes"));
+    assert!(fail(vec![2], Some(folder.path().to_owned())).contains("bunny"));
+}
