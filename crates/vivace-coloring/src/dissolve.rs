@@ -15,9 +15,9 @@ pub fn dissolve_small_classes(graph: &impl Adjacency, coloring: Coloring, at_mos
     Coloring::compacted(colors)
 }
 
-/// Dissolves classes of less than a thousandth of the vertices.
+/// Dissolves classes of a thousandth of the vertices or less.
 pub(crate) fn dissolve_crumbs(graph: &impl Adjacency, colors: &mut [u32]) {
-    dissolve(graph, colors, index(colors.len() / 1000));
+    dissolve(graph, colors, index(colors.len() / 1000 + 16));
 }
 
 fn dissolve(graph: &impl Adjacency, colors: &mut [u32], at_most: u32) {

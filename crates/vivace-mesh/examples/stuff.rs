@@ -1,6 +1,6 @@
 //! Fills a shape with tetrahedra and prints what came out.
 //!
-//! `cargo run --release -p vivace-mesh --example stuff -- SHAPE.txt|SURFACE.obj [N_TETS] [SEED]`
+//! `cargo run --release -p vivace-mesh --example stuff -- SHAPE.txt|SURFACE.obj [N_TETS] [SEED] [OUT.vtk]`
 //!
 //! Without a seed the mesh stays as regular as the lattice made it.
 
@@ -10,11 +10,11 @@ use std::time::Instant;
 use vivace_mesh::irregularity::Irregularity;
 use vivace_mesh::sdf::{Blend, ClosedSurface, SignedDistance};
 use vivace_mesh::stuffing::Stuffing;
-use vivace_mesh::{Mesh, TetMesh, load};
+use vivace_mesh::{Mesh, TetMesh, load, vtk};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("usage: stuff SHAPE.txt|SURFACE.obj [N_TETS] [SEED]")?;
+    let path = arguments.next().ok_or("usage: stuff SHAPE.txt|SURFACE.obj [N_TETS] [SEED] [OUT.vtk]")?;
     let n_tets = arguments.next().map_or(Ok(50_000), |text| text.parse())?;
     let seed = arguments.next().map(|text| text.parse()).transpose()?;
 
@@ -38,6 +38,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("filling it {:.2} s", start.elapsed().as_secs_f64());
     println!("{report:#?}");
     describe(&mesh);
+    if let Some(out) = arguments.next() {
+        vtk::write(out, &mesh)?;
+    }
     Ok(())
 }
 

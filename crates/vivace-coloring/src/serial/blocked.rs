@@ -25,7 +25,7 @@ use crate::dissolve::dissolve_crumbs;
 /// Blocks that are colored at the same time, and so the most threads that are of use.
 const LANES: usize = 8;
 /// Vertices in a block: enough that meshes cross few borders, so few that a group is a small part of a large graph.
-const BLOCK: std::ops::RangeInclusive<usize> = 512..=8192;
+const BLOCK: std::ops::RangeInclusive<usize> = 2048..=8192;
 
 /// Colors a graph by first fit in blocks: colors at most degree + 1 at every vertex. O(n + m).
 #[must_use]
