@@ -80,7 +80,7 @@ mod tests {
         let graph = regular_cloth(40, 40);
         for reach in [Reach::Nearby, Reach::Anywhere] {
             let change = Change::of(&graph, 0.01, reach, 5);
-            let half = (graph.n_edges() as f64 / 200.0).round() as usize;
+            let half = (graph.n_edges() + 100) / 200;
             assert_eq!((change.removed.len(), change.inserted.len()), (half, half));
             let mut dynamic = DynamicGraph::from(&graph);
             assert_eq!(dynamic.apply(&change.removed, &change.inserted).unwrap(), half);

@@ -327,12 +327,7 @@ fn apply(pool: &ThreadPool, changed: &Changed) -> Result<Sample, FigureError> {
 }
 
 /// A sample of a coloring, which is checked.
-fn colored(
-    task: Task,
-    graph: &(impl Adjacency + Sync),
-    coloring: &Coloring,
-    ms: f64,
-) -> Result<Sample, FigureError> {
+fn colored(task: Task, graph: &impl Adjacency, coloring: &Coloring, ms: f64) -> Result<Sample, FigureError> {
     Certificate::check(graph, coloring.colors())
         .map_err(|violation| FigureError::Coloring { method: task.name().to_owned(), violation })?;
     Ok(Sample { ms, colors: coloring.n_colors(), rounds: 0, visits: 0.0, shares: Some(Shares::of(coloring)) })

@@ -183,7 +183,7 @@ impl Volume {
                 let stuffing = Stuffing::with_about_vertices(n_vertices);
                 let irregularity = Irregularity { seed, ..Irregularity::default() };
                 let (mesh, _) = stuffing.with_irregularity(irregularity).fill(shape)?;
-                Model::of_tets(&mesh, format!("{source}, stuffed"), started)
+                Model::of_tets(&mesh, format!("{source} (stuffed)"), started)
             }
             (_, None) => Err(FigureError::Mesh(MeshError::Empty { what: "meshes of a family" })),
         }
@@ -300,14 +300,16 @@ fn from_files(
     let names: Vec<&str> = tets.iter().map(|model| model.source.as_str()).collect();
     let used = match names.as_slice() {
         [] => String::new(),
-        names => format!(" {} as they are;", names.join(", ")),
+        names => format!(" {} as they are, where one is of about the wanted size;", names.join(", ")),
     };
     let filled = match &shape {
         Some((name, _)) => format!(" other sizes from {name} by isosurface stuffing with random flips"),
         None => " no closed surface to make other sizes from".to_owned(),
     };
     let word = if family == Family::Armadillo { "Armadillo" } else { "Bunny" };
-    let origin = format!("{word}: the user's files:{used}{filled}.");
+    let origin = format!(
+        "{word}: the user\u{2019}s files:{used}{filled}. (The scanned models: Stanford Computer Graphics Laboratory.)"
+    );
     notes.push(origin.clone());
     Ok(Some(Volume { name: name.to_owned(), origin, tets, shape }))
 }

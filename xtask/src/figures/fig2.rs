@@ -81,9 +81,8 @@ pub fn make(context: &mut Context<'_>, command: &str) -> Result<Figure, FigureEr
             "Graph",
             "Method",
             "Colors",
-            "Time, mean \u{b1} s.d. [ms]",
-            "Time, median [ms]",
-            "Time, quartiles [ms]",
+            "Mean \u{b1} s.d. [ms]",
+            "Median (quartiles) [ms]",
             "Rounds",
             "Largest class / mean",
         ],
@@ -170,18 +169,26 @@ fn colors(measured: &Measured) -> String {
     if few == many { mode.to_string() } else { format!("{mode} ({few}\u{2013}{many})") }
 }
 
+/// A median of whole numbers without needless digits.
+#[expect(clippy::cast_possible_truncation, reason = "a whole number of colors or rounds")]
+pub(super) fn whole(number: f64) -> Value {
+    if number.fract() == 0.0 { Value::Int(number as i64) } else { number.into() }
+}
+
 fn deviation(measured: &Measured) -> f64 {
     let mean = measured.mean(|run| run.ms);
     let n = measured.runs.len().max(2) as f64;
     (measured.samples(|run| (run.ms - mean).powi(2)).iter().sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-fn quartiles(measured: &Measured) -> String {
+/// Of the time, `low–high` [ms].
+pub(super) fn quartiles(measured: &Measured) -> String {
     let at = |q| digits(measured.quantile(q, |run| run.ms));
     format!("{}\u{2013}{}", at(0.25), at(0.75))
 }
 
-fn digits(ms: f64) -> String {
+/// A time [ms] in about three digits.
+pub(super) fn digits(ms: f64) -> String {
     let decimals = if ms < 0.1 {
         3
     } else if ms < 100.0 {
@@ -199,9 +206,8 @@ fn summary_row(name: &str, m: &Measured) -> Vec<Value> {
         m.method.name.into(),
         colors(m).into(),
         format!("{} \u{b1} {}", digits(m.mean(time)), digits(deviation(m))).into(),
-        m.median(time).into(),
-        quartiles(m).into(),
-        m.median(|run| f64::from(run.rounds)).into(),
+        format!("{} ({})", digits(m.median(time)), quartiles(m)).into(),
+        whole(m.median(|run| f64::from(run.rounds))),
         m.median(|run| run.shares.largest).into(),
     ]
 }

@@ -89,7 +89,8 @@ pub fn make(context: &mut Context<'_>, command: &str) -> Result<Figure, FigureEr
 fn assemble(context: &Context<'_>, command: &str, results: &[GraphResult], ablations: &[Ablation]) -> Figure {
     let families = context.families;
     let caption = format!(
-        "Coloring algorithms compared by time to complete (left) and number of colors (right). Whole lines: the paper\u{2019}s algorithms, which work in rounds; dashed: what is best on a CPU. Times are of this CPU ({}); reading and generating meshes is not part of them. All methods took turns, one run each.\n\n{}\n\nRounds and visits are the same on every machine. On a GPU all vertices of a round act at once, so rounds (kernel launches, each with a wait) and visits (work) tell what to expect there; no GPU time is shown, since no GPU was used.",
+        "{}\n\nColoring algorithms compared by time to complete (left) and number of colors (right). Whole lines: the paper\u{2019}s algorithms, which work in rounds; dashed: what is best on a CPU. Times are of this CPU ({}); reading and generating meshes is not part of them. All methods took turns, one run each.\n\n{}\n\nRounds and visits are the same on every machine. On a GPU all vertices of a round act at once, so rounds (kernel launches, each with a wait) and visits (work) tell what to expect there; no GPU time is shown, since no GPU was used.",
+        in_short(results, context.pool.current_num_threads()),
         context.machine,
         families.caption(),
     );
@@ -110,6 +111,27 @@ fn assemble(context: &Context<'_>, command: &str, results: &[GraphResult], ablat
     figure
 }
 
+/// The answer in two sentences, for both machines.
+fn in_short(results: &[GraphResult], n_threads: usize) -> String {
+    let ends = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    };
+    let times = |r: &GraphResult| r.median(&Method::VIVACE, ms) / r.median(&Method::SERIAL, ms);
+    let (low, high) = ends(&mut results.iter().map(times));
+    let rounds = |run: &Run| f64::from(run.rounds);
+    let others = [Method::LUBY, Method::JONES_PLASSMANN, Method::LDF];
+    let fewest = |r: &GraphResult| others.iter().map(|m| r.median(m, rounds)).fold(f64::INFINITY, f64::min);
+    let (low_rounds, high_rounds) =
+        ends(&mut results.iter().map(|r| fewest(r) / r.median(&Method::VIVACE, rounds)));
+    format!(
+        "In short. On this CPU plain first fit, serial on one thread, takes 1/{low:.1} to 1/{high:.1} of the time of Vivace on {n_threads} threads. Where all vertices act at once, Luby, Jones\u{2013}Plassmann and LDF all need at least {low_rounds:.1} to {high_rounds:.1} times the rounds of Vivace."
+    )
+}
+
+fn ms(run: &Run) -> f64 {
+    run.ms
+}
+
 /// The largest graph of each family, for a reader.
 fn largest(context: &Context<'_>, results: &[GraphResult]) -> Table {
     let mut table = Table::new(
@@ -117,8 +139,7 @@ fn largest(context: &Context<'_>, results: &[GraphResult]) -> Table {
         &[
             "Graph",
             "Method",
-            "Time [ms]",
-            "Quartiles [ms]",
+            "Time (quartiles) [ms]",
             "Time / serial first fit",
             "Colors",
             "Rounds",
@@ -138,11 +159,10 @@ fn largest(context: &Context<'_>, results: &[GraphResult]) -> Table {
             table.push([
                 format!("{}, {n} vertices", context.families.name(family)).into(),
                 m.method.name.into(),
-                m.median(time).into(),
-                format!("{:.2} to {:.2}", m.quantile(0.25, time), m.quantile(0.75, time)).into(),
+                format!("{} ({})", fig2::digits(m.median(time)), fig2::quartiles(m)).into(),
                 (m.median(time) / result.median(&Method::SERIAL, time)).into(),
-                m.median(|run| f64::from(run.colors)).into(),
-                in_rounds.then(|| m.median(|run| f64::from(run.rounds))).into(),
+                fig2::whole(m.median(|run| f64::from(run.colors))),
+                if in_rounds { fig2::whole(m.median(|run| f64::from(run.rounds))) } else { Value::Missing },
                 in_rounds.then(|| m.median(|run| run.visits)).into(),
                 m.median(|run| run.shares.largest).into(),
                 balanced(m).into(),

@@ -10,7 +10,7 @@ pub(super) fn time_and_colors(families: &Families, results: &[GraphResult]) -> C
     let mut chart = Chart::new("Time to complete and number of colors against size", 2);
     for family in Family::ALL {
         let name = families.name(family);
-        let colors = Axis::linear("Number of colors").whole().min(0.0);
+        let colors = Axis::linear("Number of colors").whole();
         chart = chart
             .panel(panel(name, family, Axis::log("Time").unit("ms"), results, &Method::ALL, |run| run.ms))
             .panel(apart(panel(name, family, colors, results, &Method::ALL, |run| f64::from(run.colors))));
@@ -56,7 +56,7 @@ pub(super) fn balance(families: &Families, results: &[GraphResult]) -> Chart {
 fn apart(mut panel: Panel) -> Panel {
     let middle = (panel.series.len() as f64 - 1.0) / 2.0;
     for (idx, series) in panel.series.iter_mut().enumerate() {
-        let factor = (0.03 * (idx as f64 - middle)).exp();
+        let factor = (0.05 * (idx as f64 - middle)).exp();
         series.points.iter_mut().for_each(|point| point.x *= factor);
     }
     panel

@@ -158,8 +158,7 @@ pub fn measure(
     let started = Instant::now();
     let mut measured = Vec::new();
     for method in methods {
-        let (run, first) = run(pool, graph, method, seed, effort.balance)?;
-        drop(run);
+        let (_, first) = run(pool, graph, method, seed, effort.balance)?;
         measured.push(Measured { method: *method, runs: Vec::new(), first });
     }
     let round = started.elapsed().as_secs_f64();
