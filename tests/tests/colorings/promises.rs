@@ -9,7 +9,9 @@ use vivace_coloring::{
 };
 use vivace_cpu::{Cpu, List};
 use vivace_graph::ConstraintGraph;
-use vivace_tests::generators::{clique, complete_bipartite, empty, isolated, random, star, wheel, with_hubs};
+use vivace_tests::generators::{
+    clique, complete_bipartite, empty, isolated, random, regular_hinge_cloth, star, wheel, with_hubs,
+};
 use vivace_tests::naive::in_rounds;
 use vivace_tests::oracle;
 use vivace_tests::workloads::shared;
@@ -143,6 +145,20 @@ fn the_extremes() {
         assert!((2..=5).contains(&n_colors(complete_bipartite(2, 300))), "{algorithm}");
     }
     assert_eq!(promises_hold(&complete_bipartite(90, 90), Algorithm::Dsatur).coloring.n_colors(), 2);
+}
+
+/// Blocks out of step exchange colors, and a loose thread at the end of a row cannot have what the others may.
+#[test]
+fn exchanged_colors_stay_within_the_degree() {
+    for width in 30..70_u32 {
+        // A cloth of hinges, each row with one vertex more: joined to the row's last one, or to none.
+        let cloth = regular_hinge_cloth(width as usize, 120);
+        let number = |v: u32| v / width * (width + 1) + v % width;
+        let mut edges: Vec<[u32; 2]> = cloth.edges().map(|edge| edge.map(number)).collect();
+        edges.extend((0..120).step_by(2).map(|row| row * (width + 1) + width).map(|v| [v - 1, v]));
+        let fringed = ConstraintGraph::from_edges(120 * (width as usize + 1), &edges).unwrap();
+        promises_hold(&fringed, Algorithm::BlockedFirstFit);
+    }
 }
 
 #[test]
