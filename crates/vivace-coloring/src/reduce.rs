@@ -10,9 +10,10 @@ use crate::{Coloring, Order, first_fit};
 
 /// Passes at the most.
 const MAX_PASSES: u32 = 16;
-/// Smallest-last costs several passes and grows with the edges; below this mean degree it is tried, too. Cloth (mean degree 6) is
-/// why: its three colors are out of the reach of iterated greedy. Hinges (12) and tetrahedra (13 to 15) need it not.
-const SPARSE: usize = 9;
+/// Smallest-last costs several passes and grows with the edges; below this mean degree it is tried, too. Cloth (mean degree 6) and
+/// renumbered hinges (12) are why: their three and four colors are out of the reach of iterated greedy. Tetrahedra (13 and more)
+/// reach as few colors without it.
+const SPARSE: usize = 13;
 
 /// Colors a graph again with as few colors as can be had in a few times the time of first fit; never more than `coloring` has.
 ///
@@ -32,7 +33,7 @@ pub fn reduce(graph: &ConstraintGraph, coloring: Coloring) -> Coloring {
 /// Passes of first fit over the classes, as long as they gain a color or the last class is all but gone. The last class comes first,
 /// the best of the orders tried; every third pass a random order, since the other falls into cycles.
 fn iterate(graph: &ConstraintGraph, mut coloring: Coloring, bound: u32) -> Coloring {
-    let small = index(graph.n_vertices() / 1000);
+    let small = index(graph.n_vertices() / 500);
     for pass in 0..MAX_PASSES {
         let before = coloring.n_colors();
         if before <= bound {
