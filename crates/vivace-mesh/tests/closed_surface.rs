@@ -1,5 +1,7 @@
 //! The inside of triangle surfaces, against formulas and on scanned models where they are at hand.
 
+#![expect(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 

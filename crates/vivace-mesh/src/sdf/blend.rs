@@ -236,6 +236,8 @@ mod tests {
     fn equal_values_blend_by_a_quarter_of_the_radius() {
         let blend: Blend = "blend 0.4\ncone 0 0 0 1 0 0 0 1\ncone 0 0 0 1 0 0 0 1".parse().unwrap();
         assert!((blend.value(DVec3::X) + 0.1).abs() < 1e-15);
+        let (low, high) = blend.range(DVec3::X, 0.0);
+        assert!(low <= -0.1 && -0.1 <= high, "{low} .. {high}");
     }
 
     #[test]

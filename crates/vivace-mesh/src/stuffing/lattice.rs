@@ -27,6 +27,14 @@ pub(super) struct Site {
     pub(super) sub: usize,
 }
 
+impl Site {
+    /// Its coordinates in half cells.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "0 or 1")]
+    pub(super) fn halves(self) -> IVec3 {
+        2 * self.cell + self.sub as i32
+    }
+}
+
 /// Lattice points near a shape, numbered.
 pub(super) struct Lattice {
     origin: DVec3,

@@ -12,8 +12,8 @@ use crate::MeshError;
 use crate::mesh::index32;
 use crate::sdf::SignedDistance;
 
-/// The paper's thresholds, as shares of the edge, for dihedral angles between 10.78 and 164.8 degrees: long edges (along
-/// an axis) and short ones (along a diagonal).
+/// The paper's thresholds, as shares of the edge, for the best smallest angle: long edges (along an axis) and short ones
+/// (along a diagonal).
 const ALPHA_LONG: f64 = 0.24999;
 const ALPHA_SHORT: f64 = 0.41189;
 
