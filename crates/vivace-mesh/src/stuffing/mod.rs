@@ -2,10 +2,10 @@
 //!
 //! F. Labelle and J. R. Shewchuk, *Isosurface Stuffing: Fast Tetrahedral Meshes with Good Dihedral Angles*, SIGGRAPH 2007, in
 //! its uniform form: (1) sample the function on a body-centered cubic lattice, (2) find where it cuts the edges, (3) move
-//! lattice points onto cut points that are too close, (4) fill each lattice tetrahedron from a stencil. Whatever the function,
-//! dihedral angles stay within 10.7 and 164.8 degrees: the bounds of the paper, which a handful of tetrahedra in a million
-//! needed help to keep here (see `lift.rs`). Added are the repair to a manifold, the choice of one component and a
-//! numbering for locality.
+//! lattice points onto cut points that are too close, (4) fill each lattice tetrahedron from a stencil. The paper bounds all
+//! dihedral angles by 10.7 and 164.8 degrees. Here that bound is measured, not proven: warped corners can leave smaller
+//! angles, and those are lifted afterwards (see `lift.rs`, which has the numbers). Added, too, are the repair to a manifold,
+//! the choice of one component and a numbering for locality.
 
 mod lattice;
 mod lift;
