@@ -1,7 +1,5 @@
 //! The bars on small graphs and one run each: what is counted is checked, times are not.
 
-#![expect(clippy::unwrap_used, reason = "a failed test may panic")]
-
 use std::path::Path;
 
 use xtask::bench::{self, Options};

@@ -83,7 +83,7 @@ impl Task {
 /// One run of a task.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Time [ms].
+    /// Time \[ms\].
     pub ms: f64,
     /// Colors; 0 where there is no coloring.
     pub colors: u32,
@@ -141,7 +141,7 @@ impl GraphBench {
         self.tasks.iter().find(|t| t.task == task && t.n_threads == n_threads)
     }
 
-    /// Median time of a task [ms]; NaN if it was not run.
+    /// Median time of a task \[ms\]; NaN if it was not run.
     pub fn ms(&self, task: Task, n_threads: usize) -> f64 {
         self.of(task, n_threads).map_or(f64::NAN, |t| t.median(|s| s.ms))
     }
@@ -165,7 +165,7 @@ struct Changed {
     after_rows: ConstraintGraph,
 }
 
-/// Below this [ms] a task would pay for the caches that the task before it has filled: it runs once before it is timed.
+/// Below this \[ms\] a task would pay for the caches that the task before it has filled: it runs once before it is timed.
 const SHORT: f64 = 20.0;
 
 /// What the tasks start from.

@@ -25,7 +25,7 @@ pub use measure::{GraphBench, Sample, Task, TaskBench};
 pub struct Options {
     /// Vertices of the largest graph.
     pub most_vertices: usize,
-    /// Time for the runs on one graph [s].
+    /// Time for the runs on one graph \[s\].
     pub seconds: f64,
     /// Runs of each task on one graph, at least and at most.
     pub runs: (u32, u32),

@@ -172,10 +172,24 @@ pub fn chart(families: &Families, ablations: &[Ablation]) -> Chart {
         }
     }
     if let Some(ablation) = ablations.first() {
-        let n = Value::from(ablation.n_vertices).shown();
-        chart = chart.note(&format!("Graphs of about {n} vertices. Smaller s: larger palettes at the start, more colors. Larger s: more rounds."));
+        let n = (ablation.n_vertices + 500) / 1000;
+        chart = chart.note(&format!("Graphs of about {n}K vertices. Smaller s: larger palettes at the start, more colors. Larger s: more rounds."));
+        if let Some(s) = smallest_good(ablations) {
+            chart = chart.note(&format!(
+                "Smallest s, by hash, within one color of the fewest on every one of these graphs: {s}."
+            ));
+        }
     }
     chart
+}
+
+/// The smallest factor that, with hashed priorities, comes within one color of the fewest on every graph: what explains the
+/// default.
+fn smallest_good(ablations: &[Ablation]) -> Option<f32> {
+    let colors = |a: &Ablation, s: f32| a.at(s, ConflictRule::HighestHash).map_or(f64::NAN, Setting::colors);
+    let fewest = |a: &Ablation| a.curves().map(Setting::colors).fold(f64::INFINITY, f64::min);
+    let is_good = |s: f32| ablations.iter().all(|a| colors(a, s) <= fewest(a) + 1.0);
+    SHRINKS.into_iter().find(|&s| is_good(s))
 }
 
 fn colors(run: &Run) -> f64 {

@@ -46,7 +46,7 @@ pub struct Model {
     pub n_elements: usize,
     /// The file or the generator.
     pub source: String,
-    /// How long reading or generating it took, its graph included [s].
+    /// How long reading or generating it took, its graph included \[s\].
     pub seconds: f64,
 }
 

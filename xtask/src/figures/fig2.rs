@@ -181,13 +181,13 @@ fn deviation(measured: &Measured) -> f64 {
     (measured.samples(|run| (run.ms - mean).powi(2)).iter().sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-/// Of the time, `low–high` [ms].
+/// Of the time, `low–high` \[ms\].
 pub(super) fn quartiles(measured: &Measured) -> String {
     let at = |q| digits(measured.quantile(q, |run| run.ms));
     format!("{}\u{2013}{}", at(0.25), at(0.75))
 }
 
-/// A time [ms] in about three digits.
+/// A time \[ms\] in about three digits.
 pub(super) fn digits(ms: f64) -> String {
     let decimals = if ms < 0.1 {
         3

@@ -9,7 +9,7 @@
 //!   `colors_max`, `rounds`, `visits_per_vertex`, `largest_over_mean`, `balanced_largest_over_mean` (medians).
 //! - `fig3-graphs.csv`, a row for each graph: `family`, `source`, `vertices`, `edges`, `elements`, `min_degree`, `mean_degree`,
 //!   `max_degree`, `seconds` (reading or generating it, never part of a coloring's time).
-//! - `fig3-ablation.csv`: see [`ablation`](super::ablation).
+//! - `fig3-ablation.csv`: see [`ablation`].
 
 use super::ablation::{self, Ablation};
 use super::families::{Family, Model};

@@ -59,7 +59,7 @@ pub struct Effort {
     pub most: u32,
     /// Runs in any case.
     pub fewest: u32,
-    /// Time for all runs of all methods on one graph [s].
+    /// Time for all runs of all methods on one graph \[s\].
     pub seconds: f64,
     /// Whether to balance each coloring, too.
     pub balance: bool,
@@ -89,7 +89,7 @@ impl Shares {
 pub struct Run {
     /// Seed of the coloring.
     pub seed: u64,
-    /// Time to complete [ms].
+    /// Time to complete \[ms\].
     pub ms: f64,
     /// Number of colors.
     pub colors: u32,
@@ -105,7 +105,7 @@ pub struct Run {
     pub shares: Shares,
     /// Class sizes after balancing.
     pub balanced: Option<Shares>,
-    /// Time of balancing [ms].
+    /// Time of balancing \[ms\].
     pub balance_ms: Option<f64>,
 }
 
@@ -213,7 +213,7 @@ fn run(
     Ok((run, outcome.coloring))
 }
 
-/// What `work` gives, and how long it takes in the pool [ms].
+/// What `work` gives, and how long it takes in the pool \[ms\].
 pub fn timed<T: Send>(pool: &ThreadPool, work: impl FnOnce() -> T + Send) -> (T, f64) {
     pool.install(|| {
         let started = Instant::now();

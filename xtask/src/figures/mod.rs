@@ -90,7 +90,7 @@ pub struct Sizes {
     pub seeds: u32,
     /// Seeds of a setting of the ablation.
     pub ablation_seeds: u32,
-    /// Time for the colorings of one graph [s].
+    /// Time for the colorings of one graph \[s\].
     pub seconds: f64,
 }
 

@@ -25,7 +25,7 @@ pub(super) struct Placed<'a> {
     pub(super) top: f64,
     pub(super) width: f64,
     pub(super) height: f64,
-    /// Room left of the axes [px], equal for all panels of a column.
+    /// Room left of the axes \[px\], equal for all panels of a column.
     room: f64,
     names_x: bool,
 }

@@ -48,7 +48,7 @@ pub struct PictureGrid {
     pub columns: Vec<String>,
     /// Rows.
     pub rows: Vec<GridRow>,
-    /// Width of a picture on the page [px]; its height follows from its pixels.
+    /// Width of a picture on the page \[px\]; its height follows from its pixels.
     pub cell_width: f64,
     /// Lines under the grid.
     pub notes: Vec<String>,
@@ -68,7 +68,7 @@ impl PictureGrid {
         self
     }
 
-    /// With pictures of another width [px].
+    /// With pictures of another width \[px\].
     #[must_use]
     pub fn cell_width(mut self, width: f64) -> Self {
         self.cell_width = width.max(40.0);

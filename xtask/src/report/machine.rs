@@ -15,7 +15,7 @@ pub struct Machine {
     pub cores: Option<usize>,
     /// Threads that run at the same time and are open to this program.
     pub threads: usize,
-    /// Main memory [GiB].
+    /// Main memory \[GiB\].
     pub memory_gib: f64,
     /// Operating system.
     pub os: String,

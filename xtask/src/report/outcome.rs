@@ -127,7 +127,7 @@ pub struct Figure {
     pub data: Vec<Table>,
     /// Settings of this figure, beside those of the run.
     pub options: Vec<(String, String)>,
-    /// How long it took [s].
+    /// How long it took \[s\].
     pub seconds: Option<f64>,
 }
 

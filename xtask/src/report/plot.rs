@@ -227,7 +227,7 @@ pub struct Chart {
     pub panels: Vec<Panel>,
     /// Panels in a row.
     pub columns: usize,
-    /// Width and height of the area inside the axes of a panel [px].
+    /// Width and height of the area inside the axes of a panel \[px\].
     pub area: (f64, f64),
     /// Lines under the chart.
     pub notes: Vec<String>,
@@ -247,7 +247,7 @@ impl Chart {
         self
     }
 
-    /// With other panel sizes [px].
+    /// With other panel sizes \[px\].
     #[must_use]
     pub fn area(mut self, width: f64, height: f64) -> Self {
         self.area = (width.max(80.0), height.max(60.0));

@@ -69,7 +69,7 @@ impl Progress {
         self.step += 1;
     }
 
-    /// Ends the figure and says how long it took [s].
+    /// Ends the figure and says how long it took \[s\].
     pub fn done(&mut self) -> f64 {
         let seconds = self.figure_started.elapsed().as_secs_f64();
         self.note(&format!("done in {seconds:.1} s"));

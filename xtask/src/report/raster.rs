@@ -70,7 +70,7 @@ fn encode(
     Ok(bytes)
 }
 
-/// Width and height [px] of a PNG.
+/// Width and height \[px\] of a PNG.
 pub fn png_size(what: &str, bytes: &[u8]) -> Result<(u32, u32), ReportError> {
     let decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     let reader = decoder.read_info().map_err(|e| ReportError::picture(what, e))?;

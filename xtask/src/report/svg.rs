@@ -54,11 +54,11 @@ pub enum Anchor {
 /// How and where a text is set; `y` is the baseline.
 #[derive(Clone, Copy, Debug)]
 pub struct Text {
-    /// Position [px].
+    /// Position \[px\].
     pub x: f64,
-    /// Baseline [px].
+    /// Baseline \[px\].
     pub y: f64,
-    /// Font size [px].
+    /// Font size \[px\].
     pub size: f64,
     /// Alignment.
     pub anchor: Anchor,
@@ -124,9 +124,9 @@ impl Text {
 /// An SVG document in the making.
 #[derive(Clone, Debug)]
 pub struct Svg {
-    /// Width [px].
+    /// Width \[px\].
     pub width: f64,
-    /// Height [px].
+    /// Height \[px\].
     pub height: f64,
     title: String,
     body: String,

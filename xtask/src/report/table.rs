@@ -146,7 +146,7 @@ fn four_digits(number: f64) -> String {
     }
 }
 
-/// Named columns and rows of values. Units belong into the columns' names: `time_ms` in data, `Time [ms]` on the page.
+/// Named columns and rows of values. Units belong into the columns' names: `time_ms` in data, `Time \[ms\]` on the page.
 #[derive(Clone, Debug)]
 pub struct Table {
     /// Title on the page; for data, the end of the file's name (empty: the figure's id alone).
