@@ -137,7 +137,7 @@ impl Sizes {
 pub struct Options {
     /// Sizes and numbers of runs.
     pub sizes: Sizes,
-    /// Figures to make, in this order; none for all.
+    /// Figures to make; none for all.
     pub figures: Vec<u32>,
     /// A folder with the user's own meshes.
     pub meshes: Option<PathBuf>,
@@ -204,7 +204,9 @@ fn quoted(path: &Path) -> String {
 /// # Errors
 /// What cannot be read, made or written; figures already made stay in the report.
 pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, FigureError> {
-    let wanted = if options.figures.is_empty() { ALL.to_vec() } else { options.figures.clone() };
+    let mut wanted = if options.figures.is_empty() { ALL.to_vec() } else { options.figures.clone() };
+    wanted.sort_unstable();
+    wanted.dedup();
     if let Some(&wanted) = wanted.iter().find(|&figure| !ALL.contains(figure)) {
         return Err(FigureError::NoFigure { wanted });
     }
