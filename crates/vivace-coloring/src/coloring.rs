@@ -1,7 +1,9 @@
 //! What a coloring is.
 
+use rayon::prelude::*;
 use vivace_graph::{Adjacency, Csr};
 
+use crate::certificate::index;
 use crate::{Certificate, Violation};
 
 /// A color for every vertex, below `n_colors`; neighbors differ. Every color is used, until [`crate::recolor`] empties a class.
@@ -29,19 +31,23 @@ impl Coloring {
     }
 
     /// From colors that are proper by the way they were made. O(n).
-    pub(crate) fn compacted(mut colors: Vec<u32>) -> Self {
-        let n_ids = colors.iter().copied().max().map_or(0, |c| c as usize + 1);
-        let mut new_id = vec![0; n_ids];
-        for &c in &colors {
-            new_id[c as usize] = 1;
-        }
+    pub(crate) fn compacted(colors: Vec<u32>) -> Self {
+        let n_ids = colors.iter().copied().max().map_or(0, |c| c + 1);
+        let sizes = class_sizes(&colors, n_ids);
+        Self::numbered(colors, sizes)
+    }
+
+    /// From proper colors and their class sizes: numbers that are not in use are closed up.
+    pub(crate) fn numbered(mut colors: Vec<u32>, sizes: Vec<u32>) -> Self {
+        let n_ids = index(sizes.len());
+        let mut new_id = sizes;
         let mut n_colors = 0;
         for id in &mut new_id {
-            let used = *id;
+            let is_used = *id > 0;
             *id = n_colors;
-            n_colors += used;
+            n_colors += u32::from(is_used);
         }
-        if (n_colors as usize) < n_ids {
+        if n_colors < n_ids {
             for c in &mut colors {
                 *c = new_id[*c as usize];
             }
@@ -119,9 +125,21 @@ impl Partitions {
 
 /// How many of `colors` are 0, 1, …, `n_colors` - 1.
 pub(crate) fn class_sizes(colors: &[u32], n_colors: u32) -> Vec<u32> {
-    let mut sizes = vec![0; n_colors as usize];
-    for &c in colors {
-        sizes[c as usize] += 1;
+    const PIECE: usize = 1 << 16;
+    let count = |colors: &[u32]| {
+        // Four counts at a time: neighbors in the numbering often have the same color, and one count would wait for the other.
+        let mut sizes = vec![[0_u32; 4]; n_colors as usize];
+        for four in colors.chunks(4) {
+            for (k, &c) in four.iter().enumerate() {
+                sizes[c as usize][k] += 1;
+            }
+        }
+        sizes.into_iter().map(|four| four.iter().sum()).collect()
+    };
+    let add = |a: Vec<u32>, b: Vec<u32>| a.into_iter().zip(b).map(|(a, b)| a + b).collect();
+    if colors.len() < 2 * PIECE {
+        count(colors)
+    } else {
+        colors.par_chunks(PIECE).map(count).reduce_with(add).unwrap_or_default()
     }
-    sizes
 }

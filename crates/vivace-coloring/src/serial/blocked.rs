@@ -20,12 +20,14 @@ use super::Palette;
 use super::align::{Exchange, best_exchange};
 use crate::Coloring;
 use crate::certificate::index;
-use crate::dissolve::dissolve_crumbs;
+use crate::dissolve::without_crumbs;
 
 /// Blocks that are colored at the same time, and so the most threads that are of use.
 const LANES: usize = 8;
-/// Vertices in a block: enough that meshes cross few borders, so few that a group is a small part of a large graph.
-const BLOCK: std::ops::RangeInclusive<usize> = 2048..=8192;
+/// Vertices in a block where neighbors are near in the numbering: enough that few edges cross borders.
+const BLOCK: std::ops::RangeInclusive<usize> = 2048..=65536;
+/// Vertices in a block where the numbering says nothing of neighbors: just enough to be worth a thread's while.
+const SCATTERED_BLOCK: usize = 512;
 
 /// Colors a graph by first fit in blocks: colors at most degree + 1 at every vertex. O(n + m).
 #[must_use]
@@ -33,19 +35,19 @@ pub fn blocked_first_fit(graph: &ConstraintGraph) -> Coloring {
     let starts = block_starts(graph);
     let mut colors = vec![UNCOLORED; graph.n_vertices()];
     let mut palette = Palette::new();
+    let mut repaired = Vec::new();
     for group in (0..starts.len() - 1).step_by(LANES) {
         let starts = &starts[group..starts.len().min(group + LANES + 1)];
-        color_group(graph, starts, &mut colors, &mut palette);
+        color_group(graph, starts, &mut colors, &mut palette, &mut repaired);
     }
-    dissolve_crumbs(graph, &mut colors);
-    Coloring::compacted(colors)
+    without_crumbs(graph, colors, &repaired)
 }
 
 /// First vertex of each block, and the number of vertices at the end. A block begins where a vertex is no neighbor of the one
 /// before, if there is such a place nearby: at the start of a row.
 fn block_starts(graph: &ConstraintGraph) -> Vec<u32> {
     let n = graph.n_vertices();
-    let len = n.div_ceil(LANES).clamp(*BLOCK.start(), *BLOCK.end());
+    let len = block_len(graph);
     let starts_row = |v: &usize| !graph.neighbors(index(*v)).contains(&index(v - 1));
     let mut starts = vec![0];
     let mut nominal = len;
@@ -57,8 +59,32 @@ fn block_starts(graph: &ConstraintGraph) -> Vec<u32> {
     starts
 }
 
+/// The more neighbors are far apart in the numbering, the smaller a group, so that few edges lie between blocks of one group.
+fn block_len(graph: &ConstraintGraph) -> usize {
+    const SAMPLES: usize = 512;
+    let n = graph.n_vertices();
+    let longest = n.div_ceil(LANES).clamp(*BLOCK.start(), *BLOCK.end());
+    let (mut n_far, mut n_seen) = (0, 0);
+    for v in (0..n).step_by(n.div_ceil(SAMPLES).max(1)).map(index) {
+        // A hub says nothing of the numbering.
+        for &u in graph.neighbors(v).iter().take(64) {
+            n_far += usize::from(u.abs_diff(v) as usize > longest);
+            n_seen += 1;
+        }
+    }
+    // Of all edges, the share n_far / n_seen times LANES * len / n lies between blocks of a group: at most one in eight.
+    let len = (n * n_seen).checked_div(8 * LANES * n_far).unwrap_or(longest);
+    len.clamp(SCATTERED_BLOCK.min(longest), longest)
+}
+
 /// Colors the blocks that begin at `starts`; the last entry is the end.
-fn color_group(graph: &ConstraintGraph, starts: &[u32], colors: &mut [u32], palette: &mut Palette) {
+fn color_group(
+    graph: &ConstraintGraph,
+    starts: &[u32],
+    colors: &mut [u32],
+    palette: &mut Palette,
+    repaired: &mut Vec<u32>,
+) {
     let (done, group) = colors[..starts[starts.len() - 1] as usize].split_at_mut(starts[0] as usize);
     let mut blocks: Vec<Block<'_>> = Vec::with_capacity(LANES);
     let mut rest = group;
@@ -74,7 +100,7 @@ fn color_group(graph: &ConstraintGraph, starts: &[u32], colors: &mut [u32], pale
     blocks.par_iter_mut().for_each(Block::color);
     align(&mut blocks);
     let crossing: Vec<Vec<u32>> = blocks.into_iter().map(|block| block.crossing).collect();
-    repair(graph, &crossing, colors, palette);
+    repair(graph, &crossing, colors, palette, repaired);
 }
 
 /// One block and what it may see.
@@ -95,57 +121,52 @@ struct Block<'a> {
 impl Block<'_> {
     /// Colors the block by first fit.
     fn color(&mut self) {
-        let (offsets, neighbors) = (self.graph.csr().offsets(), self.graph.csr().items());
+        let Self { graph, done, start, .. } = *self;
+        let (offsets, neighbors) = (graph.csr().offsets(), graph.csr().items());
+        let offsets = &offsets[start as usize..=start as usize + self.colors.len()];
+        let colors = &mut *self.colors;
         let mut palette = Palette::new();
-        let offsets = &offsets[self.start as usize..=self.start as usize + self.colors.len()];
         for (k, ends) in offsets.windows(2).enumerate() {
-            let v = self.start + index(k);
+            let v = start + index(k);
             let row = &neighbors[ends[0] as usize..ends[1] as usize];
             // Bits 0 to 63: the colors of lower neighbors, which come in order: done, unseen, in this block.
             let mut used = 0_u64;
             let mut highest = 0;
             let mut inside = row;
-            if row.first().is_some_and(|&u| u < self.start) {
-                let mut k = 0;
-                while let Some(&c) = row.get(k).and_then(|&u| self.done.get(u as usize)) {
+            if row.first().is_some_and(|&u| u < start) {
+                let n_outside = row.iter().position(|&u| u >= start).unwrap_or(row.len());
+                let mut n_done = 0;
+                for &u in &row[..n_outside] {
+                    let Some(&c) = done.get(u as usize) else { break };
                     used |= 1_u64.wrapping_shl(c);
                     highest |= c;
-                    k += 1;
+                    n_done += 1;
                 }
-                let n_done = k;
-                while row.get(k).is_some_and(|&u| u < self.start) {
-                    k += 1;
-                }
-                if k > n_done {
+                if n_outside > n_done {
                     self.crossing.push(v);
                 }
-                if self.outside.len() <= self.colors.len() / 4 {
+                if self.outside.len() <= colors.len() / 4 {
                     self.outside.push(v);
                 }
-                inside = &row[k..];
+                inside = &row[n_outside..];
             }
             for &u in inside {
                 if u >= v {
                     break;
                 }
-                let c = self.colors[(u - self.start) as usize];
+                let c = colors[(u - start) as usize];
                 used |= 1_u64.wrapping_shl(c);
                 highest |= c;
             }
-            self.colors[k] = if highest >= 64 || used == u64::MAX {
-                palette.first_free_of(row.iter().take_while(|&&u| u < v).map(|&u| self.visible(u)))
-            } else {
+            colors[k] = if highest < 64 && used != u64::MAX {
                 used.trailing_ones()
+            } else {
+                let visible = |&u: &u32| match u.checked_sub(start) {
+                    Some(u) => colors[u as usize],
+                    None => done.get(u as usize).copied().unwrap_or(UNCOLORED),
+                };
+                palette.first_free_of(row.iter().take_while(|&&u| u < v).map(visible))
             };
-        }
-    }
-
-    /// The color of an earlier vertex, as far as this block can see.
-    fn visible(&self, u: u32) -> u32 {
-        if u >= self.start {
-            self.colors[(u - self.start) as usize]
-        } else {
-            self.done.get(u as usize).copied().unwrap_or(UNCOLORED)
         }
     }
 }
@@ -163,13 +184,18 @@ fn align(blocks: &mut [Block<'_>]) {
                 None => block.done[u as usize],
             }
         };
-        let clashes = block.outside.iter().flat_map(|&v| {
+        // A few hundred vertices show a pattern as well as all of them.
+        let sample = block.outside.iter().step_by((block.outside.len() / 256).max(1));
+        let clashes = sample.flat_map(|&v| {
             let own = block.colors[(v - block.start) as usize];
             block.graph.neighbors(v).iter().take_while(|&&u| u < block.start).map(move |&u| (u, own))
         });
         let clashes = clashes.map(|(u, own)| [color_below(u), own]);
         let exchange = if is_local { best_exchange(clashes) } else { Exchange::none() };
         exchanges.push(exchange);
+    }
+    if exchanges.iter().all(Exchange::is_none) {
+        return;
     }
     blocks.par_iter_mut().zip(exchanges).filter(|(_, exchange)| !exchange.is_none()).for_each(
         |(block, exchange)| {
@@ -186,8 +212,14 @@ fn align(blocks: &mut [Block<'_>]) {
     );
 }
 
-/// Colors again, in ascending order, who has the color of a lower neighbor or one above its degree.
-fn repair(graph: &ConstraintGraph, crossing: &[Vec<u32>], colors: &mut [u32], palette: &mut Palette) {
+/// Colors again, in ascending order, who has the color of a lower neighbor or one above its degree; they are added to `repaired`.
+fn repair(
+    graph: &ConstraintGraph,
+    crossing: &[Vec<u32>],
+    colors: &mut [u32],
+    palette: &mut Palette,
+    repaired: &mut Vec<u32>,
+) {
     let clashes = |v: u32, colors: &[u32]| {
         let row = graph.neighbors(v);
         let own = colors[v as usize];
@@ -200,6 +232,7 @@ fn repair(graph: &ConstraintGraph, crossing: &[Vec<u32>], colors: &mut [u32], pa
     for v in clashing.into_iter().flatten() {
         if clashes(v, colors) {
             colors[v as usize] = palette.first_free(graph.neighbors(v), colors);
+            repaired.push(v);
         }
     }
 }

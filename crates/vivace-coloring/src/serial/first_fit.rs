@@ -70,11 +70,12 @@ impl Palette {
                 self.call = 1;
             }
             let call = self.call;
-            let last = self.used_in.len() - 1;
+            let used_in = self.used_in.as_mut_slice();
+            let last = used_in.len() - 1;
             for c in used.clone() {
-                self.used_in[(c as usize).min(last)] = call;
+                used_in[(c as usize).min(last)] = call;
             }
-            if let Some(free) = self.used_in[..last].iter().position(|&used_in| used_in != call) {
+            if let Some(free) = used_in[..last].iter().position(|&used_in| used_in != call) {
                 return index(free);
             }
             self.used_in.resize(2 * self.used_in.len(), 0);
