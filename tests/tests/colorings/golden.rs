@@ -64,7 +64,7 @@ const GRAPHS: [u64; 7] = [
 ];
 
 const COLORINGS: [(&str, u64); 10] = [
-    ("blocked", 0x91d7_fe04_cf63_538e),
+    ("blocked", 0x7bde_53ac_9f69_6f1a),
     ("first-fit", 0x7773_bd88_9c58_b58e),
     ("largest-first", 0x0f3d_f279_94c9_3834),
     ("smallest-last", 0x4a4d_b328_f1a8_3f1e),
