@@ -172,11 +172,11 @@ mod tests {
     fn scattering_touches_its_elements_only() {
         for n_pieces in [1, 2, 7, 64] {
             let list = List::from_unsorted(vec![9, 4, 4, 7, 0]);
-            let mut array = vec![-1; 11];
+            let mut array = vec![1; 11];
             list.scatter(n_pieces, &[10, 20, 30, 40], &mut array);
-            assert_eq!(array, [10, -1, -1, -1, 20, -1, -1, 30, -1, 40, -1]);
-            list.for_each_element(n_pieces, &mut array, |i, element| *element += i as i32);
-            assert_eq!(array, [10, -1, -1, -1, 24, -1, -1, 37, -1, 49, -1]);
+            assert_eq!(array, [10, 1, 1, 1, 20, 1, 1, 30, 1, 40, 1]);
+            list.for_each_element(n_pieces, &mut array, |i, element| *element += i);
+            assert_eq!(array, [10, 1, 1, 1, 24, 1, 1, 37, 1, 49, 1]);
         }
     }
 }

@@ -64,16 +64,17 @@ fn block_len(graph: &ConstraintGraph) -> usize {
     const SAMPLES: usize = 512;
     let n = graph.n_vertices();
     let longest = n.div_ceil(LANES).clamp(*BLOCK.start(), *BLOCK.end());
-    let (mut n_far, mut n_seen) = (0, 0);
+    let (mut n_far, mut n_seen) = (0_u64, 0_u64);
     for v in (0..n).step_by(n.div_ceil(SAMPLES).max(1)).map(index) {
         // A hub says nothing of the numbering.
         for &u in graph.neighbors(v).iter().take(64) {
-            n_far += usize::from(u.abs_diff(v) as usize > longest);
+            n_far += u64::from(u.abs_diff(v) as usize > longest);
             n_seen += 1;
         }
     }
     // Of all edges, the share n_far / n_seen times LANES * len / n lies between blocks of a group: at most one in eight.
-    let len = (n * n_seen).checked_div(8 * LANES * n_far).unwrap_or(longest);
+    let len = (n as u64 * n_seen).checked_div(8 * LANES as u64 * n_far);
+    let len = len.and_then(|len| usize::try_from(len).ok()).unwrap_or(longest);
     len.clamp(SCATTERED_BLOCK.min(longest), longest)
 }
 
