@@ -33,7 +33,7 @@ pub fn reduce(graph: &ConstraintGraph, coloring: Coloring) -> Coloring {
 /// Passes of first fit over the classes, as long as they gain a color or the last class is all but gone. The last class comes first,
 /// the best of the orders tried; every third pass a random order, since the other falls into cycles.
 fn iterate(graph: &ConstraintGraph, mut coloring: Coloring, bound: u32) -> Coloring {
-    let small = index(graph.n_vertices() / 500);
+    let n = index(graph.n_vertices());
     for pass in 0..MAX_PASSES {
         let before = coloring.n_colors();
         if before <= bound {
@@ -44,8 +44,9 @@ fn iterate(graph: &ConstraintGraph, mut coloring: Coloring, bound: u32) -> Color
             order.sort_by_key(|&c| pcg::hash(c, pcg::key(0, pass)));
         }
         coloring = first_fit_by_class(graph, coloring, &order);
-        let last_class = coloring.class_sizes().last().copied();
-        if coloring.n_colors() == before && last_class.is_some_and(|size| size > small) {
+        // A last class this large has not gone in any pass that was tried; one that gained nothing needs to be smaller still.
+        let hopeless = if coloring.n_colors() < before { n / 128 } else { n / 500 };
+        if coloring.class_sizes().last().is_some_and(|&size| size > hopeless) {
             break;
         }
     }
