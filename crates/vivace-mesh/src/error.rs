@@ -67,7 +67,7 @@ pub enum MeshError {
     TinyTet {
         /// Index of the tetrahedron, from 0.
         index: usize,
-        /// Its volume [m^3].
+        /// Its volume \[m^3\].
         volume: f64,
     },
     /// A tetrahedron has negative volume.
@@ -77,7 +77,7 @@ pub enum MeshError {
     InvertedTet {
         /// Index of the tetrahedron, from 0.
         index: usize,
-        /// Its volume [m^3], negative.
+        /// Its volume \[m^3\], negative.
         volume: f64,
     },
     /// More than 2^32 - 2 vertices or elements: indices are 32-bit.

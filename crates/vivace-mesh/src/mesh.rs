@@ -130,7 +130,7 @@ impl TetMesh {
     }
 }
 
-/// Signed volume of a tetrahedron [m^3].
+/// Signed volume of a tetrahedron \[m^3\].
 pub(crate) fn volume([a, b, c, d]: [DVec3; 4]) -> f64 {
     (b - a).dot((c - a).cross(d - a)) / 6.0
 }

@@ -55,9 +55,9 @@ pub struct TriReport {
     pub degrees: DegreeSummary,
     /// Smallest angle of any triangle that is neither flat nor names a vertex twice \[deg\]; `None` if there is none.
     pub min_angle: Option<f64>,
-    /// Area of all triangles [m^2].
+    /// Area of all triangles \[m^2\].
     pub area: f64,
-    /// Enclosed volume [m^3]; `None` if the mesh is not closed.
+    /// Enclosed volume \[m^3\]; `None` if the mesh is not closed.
     pub volume: Option<f64>,
     /// Lowest and highest corner of the bounding box \[m\].
     pub bounds: [DVec3; 2],
@@ -109,9 +109,9 @@ pub struct TetReport {
     pub dihedral_angles: Option<[f64; 2]>,
     /// Smallest and mean quality \[1\]: see [`TetMesh::qualities`]; `None` without tetrahedra.
     pub quality: Option<[f64; 2]>,
-    /// Volume of all tetrahedra [m^3].
+    /// Volume of all tetrahedra \[m^3\].
     pub volume: f64,
-    /// Smallest and largest volume of a tetrahedron [m^3]; `None` without tetrahedra.
+    /// Smallest and largest volume of a tetrahedron \[m^3\]; `None` without tetrahedra.
     pub volumes: Option<[f64; 2]>,
     /// Lowest and highest corner of the bounding box \[m\].
     pub bounds: [DVec3; 2],

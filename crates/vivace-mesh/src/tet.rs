@@ -62,7 +62,7 @@ impl TetMesh {
         topology::components(self.positions().len(), self.edge_keys().map(topology::edge_ends))
     }
 
-    /// Volume of each tetrahedron [m^3].
+    /// Volume of each tetrahedron \[m^3\].
     pub fn volumes(&self) -> Vec<f64> {
         (0..self.tets().len()).map(|t| volume(self.corners(t))).collect()
     }

@@ -62,7 +62,7 @@ impl TriMesh {
         topology::components(self.positions().len(), self.edges())
     }
 
-    /// Area of each triangle [m^2].
+    /// Area of each triangle \[m^2\].
     pub fn areas(&self) -> Vec<f64> {
         (0..self.triangles().len()).map(|t| area(self.triangle_corners(t))).collect()
     }

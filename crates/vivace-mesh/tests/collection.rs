@@ -36,7 +36,7 @@ fn surfaces_are_whole() {
 }
 
 /// Counts of vertices, tetrahedra, edges and boundary triangles; smallest and largest degree; its mean and deviation;
-/// dihedral angles [deg]; smallest and mean quality.
+/// dihedral angles \[deg\]; smallest and mean quality.
 type Row = (&'static str, [usize; 4], [u32; 2], [f64; 2], [f64; 2], [f64; 2]);
 
 /// Measured by other programs.

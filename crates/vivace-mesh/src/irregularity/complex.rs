@@ -14,7 +14,7 @@ const EVEN: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 
 
 /// A tetrahedral mesh under change. Slots of removed tetrahedra are used again.
 pub(super) struct Complex {
-    /// Positions [m], values of `f32`: what is checked here is what the mesh gets.
+    /// Positions \[m\], values of `f32`: what is checked here is what the mesh gets.
     pub(super) positions: Vec<DVec3>,
     tets: Vec<[u32; 4]>,
     /// The tetrahedron across the face opposite to each corner, or [`NONE`].

@@ -38,9 +38,9 @@ pub struct Irregularity {
     pub strength: f64,
     /// One seed gives one mesh, bit for bit.
     pub seed: u64,
-    /// No move and no flip makes a smaller dihedral angle than this [deg]; 0 to 60.
+    /// No move and no flip makes a smaller dihedral angle than this \[deg\]; 0 to 60.
     pub min_dihedral: f64,
-    /// No move and no flip makes a larger dihedral angle than this [deg]; 90 to 180.
+    /// No move and no flip makes a larger dihedral angle than this \[deg\]; 90 to 180.
     pub max_dihedral: f64,
 }
 

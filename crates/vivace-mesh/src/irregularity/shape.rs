@@ -10,7 +10,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// From the smallest and the largest angle allowed [deg]. A hair stricter, so that no other way to compute an angle finds
+    /// From the smallest and the largest angle allowed \[deg\]. A hair stricter, so that no other way to compute an angle finds
     /// it beyond them.
     pub(super) fn new(min_dihedral: f64, max_dihedral: f64) -> Self {
         const HAIR: f64 = 1e-12;

@@ -7,18 +7,18 @@ use super::{Bounds, SignedDistance};
 /// A ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
-    /// Its center [m].
+    /// Its center \[m\].
     pub center: DVec3,
-    /// Its radius [m].
+    /// Its radius \[m\].
     pub radius: f64,
 }
 
 /// An axis-aligned box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid {
-    /// Its center [m].
+    /// Its center \[m\].
     pub center: DVec3,
-    /// Half of its edge lengths [m].
+    /// Half of its edge lengths \[m\].
     pub half_extent: DVec3,
 }
 

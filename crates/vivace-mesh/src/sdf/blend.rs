@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! # comment
-//! blend K                         radius of the smooth union [m]
+//! blend K                         radius of the smooth union \[m\]
 //! cone  x0 y0 z0 r0 x1 y1 z1 r1   distance to the segment minus the radius interpolated along it
 //! ellip x y z rx ry rz            |q| (|q| - 1) / |g|,  q = (p - c) / r,  g = q / r
 //! ```

@@ -1,6 +1,6 @@
 //! Signed distance functions: which points belong to a solid.
 //!
-//! A value is a length [m], negative inside. Only the zero level has to be right: away from it the value may be any length
+//! A value is a length \[m\], negative inside. Only the zero level has to be right: away from it the value may be any length
 //! of the right sign, as it is for smooth unions. Points are `f64`, whatever the precision of the source.
 
 mod basic;
@@ -18,13 +18,13 @@ pub use surface::ClosedSurface;
 
 /// A solid given by a function that is negative inside it.
 pub trait SignedDistance {
-    /// The value at `point` [m]: negative inside, zero on the surface.
+    /// The value at `point` \[m\]: negative inside, zero on the surface.
     fn value(&self, point: DVec3) -> f64;
 
     /// A box that contains every point with a negative value; it may be larger than needed.
     fn bounds(&self) -> Bounds;
 
-    /// Bounds `(low, high)` of the values within `radius` [m] of `center`. They must hold, but need not be tight; where they
+    /// Bounds `(low, high)` of the values within `radius` \[m\] of `center`. They must hold, but need not be tight; where they
     /// have one sign, nobody asks for the values in between. The default knows nothing.
     fn range(&self, center: DVec3, radius: f64) -> (f64, f64) {
         let _ = (center, radius);
@@ -46,12 +46,12 @@ impl<S: SignedDistance + ?Sized> SignedDistance for &S {
     }
 }
 
-/// An axis-aligned box [m].
+/// An axis-aligned box \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// The corner with the smallest coordinates [m].
+    /// The corner with the smallest coordinates \[m\].
     pub min: DVec3,
-    /// The corner with the largest coordinates [m].
+    /// The corner with the largest coordinates \[m\].
     pub max: DVec3,
 }
 
@@ -59,7 +59,7 @@ impl Bounds {
     /// The box that contains nothing: a start for [`Bounds::union`].
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
-    /// The box around `center` that reaches `half_extent` [m] to each side.
+    /// The box around `center` that reaches `half_extent` \[m\] to each side.
     pub fn around(center: DVec3, half_extent: DVec3) -> Self {
         Self { min: center - half_extent, max: center + half_extent }
     }
@@ -70,7 +70,7 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Edge lengths [m].
+    /// Edge lengths \[m\].
     pub fn size(self) -> DVec3 {
         self.max - self.min
     }

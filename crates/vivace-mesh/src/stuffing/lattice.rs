@@ -132,7 +132,7 @@ impl Lattice {
         self.side[point as usize] = side;
     }
 
-    /// Where a lattice point lies before any warping [m].
+    /// Where a lattice point lies before any warping \[m\].
     pub(super) fn position(&self, site: Site) -> DVec3 {
         let shift = if site.sub == 1 { 0.5 } else { 0.0 };
         self.origin + self.cell_size * (site.cell.as_dvec3() + shift)

@@ -57,7 +57,7 @@ enum Resolution {
 /// What the filling did.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StuffingReport {
-    /// Edge length of the lattice's cubes [m]; tetrahedra inside have edges of 1 and 0.87 of it.
+    /// Edge length of the lattice's cubes \[m\]; tetrahedra inside have edges of 1 and 0.87 of it.
     pub cell_size: f64,
     /// How many values of the function were asked for, all trials together.
     pub n_values: usize,
@@ -74,7 +74,7 @@ pub struct StuffingReport {
 }
 
 impl Stuffing {
-    /// Cells of a given edge length [m]. Costs memory and time in proportion to the inverse cube of it.
+    /// Cells of a given edge length \[m\]. Costs memory and time in proportion to the inverse cube of it.
     pub fn with_cell_size(cell_size: f64) -> Self {
         Self { resolution: Resolution::CellSize(cell_size), irregularity: None }
     }

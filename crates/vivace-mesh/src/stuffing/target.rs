@@ -8,14 +8,14 @@ const TOLERANCE: f64 = 0.02;
 /// Trials before the nearest one has to do. Most searches end after three.
 const MAX_TRIALS: usize = 8;
 
-/// One trial: the cell size [m] and the number it gave.
+/// One trial: the cell size \[m\] and the number it gave.
 #[derive(Debug, Clone, Copy)]
 struct Trial {
     cell_size: f64,
     count: f64,
 }
 
-/// Calls `fill` with one cell size [m] after another, until `count` of the mesh comes close to `wanted`. `extent` [m] is the
+/// Calls `fill` with one cell size \[m\] after another, until `count` of the mesh comes close to `wanted`. `extent` \[m\] is the
 /// largest of the shape.
 ///
 /// A volume V with surface A holds about a V / h^3 - b A / h^2 of anything, so `count h^3` falls in a straight line with h: two

@@ -19,9 +19,9 @@ const ALPHA_SHORT: f64 = 0.41189;
 
 /// Where the surface lies in the lattice.
 pub(super) struct Cuts {
-    /// Where each point on the surface was moved to [m].
+    /// Where each point on the surface was moved to \[m\].
     pub(super) warped: HashMap<u32, DVec3>,
-    /// Cut point [m] of the edge (inside point, outside point), for the edges still cut.
+    /// Cut point \[m\] of the edge (inside point, outside point), for the edges still cut.
     pub(super) on_edge: HashMap<(u32, u32), DVec3>,
     /// How often the function was asked for a value.
     pub(super) n_values: usize,

@@ -62,9 +62,9 @@ pub(super) struct TriangleFacts {
     pub(super) flat_triangles: usize,
     /// \[deg\]
     pub(super) smallest_angle: Option<f64>,
-    /// [m^2]
+    /// \[m^2\]
     pub(super) area: f64,
-    /// Enclosed [m^3], none if open.
+    /// Enclosed \[m^3\], none if open.
     pub(super) volume: Option<f64>,
     /// Why the surface bounds no volume; none if it does.
     pub(super) no_volume_boundary: Option<String>,
@@ -94,9 +94,9 @@ pub(super) struct TetFacts {
     pub(super) dihedral_angles: Option<[f64; 2]>,
     /// Smallest and mean, 1 for the regular tetrahedron.
     pub(super) quality: Option<[f64; 2]>,
-    /// Of the mesh [m^3].
+    /// Of the mesh \[m^3\].
     pub(super) volume: f64,
-    /// Of the smallest and the largest tetrahedron [m^3].
+    /// Of the smallest and the largest tetrahedron \[m^3\].
     pub(super) volumes: Option<[f64; 2]>,
     /// A constraint on each tetrahedron.
     pub(super) graph: GraphFacts,
