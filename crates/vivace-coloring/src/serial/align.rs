@@ -32,24 +32,21 @@ impl Exchange {
     }
 }
 
-/// An exchange under which few of the pairs `[other's color, own color]` become alike: from no exchange on, the best swap of two
+/// An exchange of the colors below `n_colors` under which few of the pairs `[other's color, own color]` become alike: from no exchange on, the best swap of two
 /// colors again and again, as long as there is one that helps. None, unless it ends most clashes: where first fit lays no pattern,
 /// its preference for low colors is worth more.
-pub(super) fn best_exchange(pairs: impl Iterator<Item = [u32; 2]>) -> Exchange {
+pub(super) fn best_exchange(pairs: impl Iterator<Item = [u32; 2]>, n_colors: u32) -> Exchange {
     let mut clashes = [[0_i64; N]; N]; // [own][other]
-    let mut n_own = 0;
     for [other, own] in pairs {
         if let Some(count) = clashes.get_mut(own as usize).and_then(|row| row.get_mut(other as usize)) {
             *count += 1;
-            n_own = n_own.max(own as usize + 1);
         }
     }
     let n_clashes: i64 = (0..N).map(|c| clashes[c][c]).sum();
     if 4 * n_clashes <= clashes.as_flattened().iter().sum() {
         return Exchange::none();
     }
-    let n_other = clashes.iter().filter_map(|row| row.iter().rposition(|&k| k > 0)).max();
-    let n_colors = n_own.max(n_other.map_or(0, |c| c + 1));
+    let n_colors = N.min(n_colors as usize);
     let mut exchange = Exchange::none();
     loop {
         let cost = |own: usize, to: u8| clashes[own][to as usize];
@@ -78,14 +75,14 @@ mod tests {
     fn rows_out_of_step_are_brought_into_step() {
         // Rows alternate between colors {0, 1} and {2, 3}; the border puts {0, 1} below {0, 1}.
         let border = [[0, 0], [1, 0], [1, 1], [0, 1]].into_iter().cycle().take(400);
-        let exchange = best_exchange(border.clone());
+        let exchange = best_exchange(border.clone(), 4);
         assert!(border.into_iter().all(|[other, own]| exchange.apply(own) != other));
         assert_eq!(exchange.apply(99), 99);
     }
 
     #[test]
     fn nothing_is_exchanged_without_need() {
-        assert!(best_exchange([[0, 1], [1, 2], [2, 0]].into_iter()).is_none());
-        assert!(best_exchange(std::iter::empty()).is_none());
+        assert!(best_exchange([[0, 1], [1, 2], [2, 0]].into_iter(), 3).is_none());
+        assert!(best_exchange(std::iter::empty(), 0).is_none());
     }
 }

@@ -192,7 +192,8 @@ fn align(blocks: &mut [Block<'_>]) {
             block.graph.neighbors(v).iter().take_while(|&&u| u < block.start).map(move |&u| (u, own))
         });
         let clashes = clashes.map(|(u, own)| [color_below(u), own]);
-        let exchange = if is_local { best_exchange(clashes) } else { Exchange::none() };
+        let n_colors = block.colors.iter().copied().max().map_or(0, |c| c + 1);
+        let exchange = if is_local { best_exchange(clashes, n_colors) } else { Exchange::none() };
         exchanges.push(exchange);
     }
     if exchanges.iter().all(Exchange::is_none) {
