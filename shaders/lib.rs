@@ -11,6 +11,10 @@ mod kernel;
 
 #[path = "coloring/mod.rs"]
 pub mod coloring;
+#[path = "constraint/mod.rs"]
+pub mod constraint;
+#[path = "common/mat3.rs"]
+pub mod mat3;
 #[path = "common/pcg.rs"]
 pub mod pcg;
 

@@ -1,0 +1,18 @@
+//! What is simulated: particles with masses, and the constraints between them ([`Model`]); where they are and how they move
+//! ([`State`]). Nothing here knows how it is solved.
+//!
+//! A model does not change while it is simulated, a state does. SI units throughout: \[m\], \[kg\], \[s\], \[N\].
+
+mod builder;
+mod constraints;
+mod error;
+mod forces;
+mod model;
+mod state;
+
+pub use builder::ModelBuilder;
+pub use constraints::{Constraints, KindVisitor, KindVisitorMut, Store};
+pub use error::ModelError;
+pub use forces::{Forces, Wind};
+pub use model::Model;
+pub use state::State;

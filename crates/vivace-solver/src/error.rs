@@ -1,0 +1,50 @@
+//! What a solver refuses.
+
+use vivace_coloring::GraphError;
+use vivace_model::ModelError;
+
+/// Why a system cannot be made or stepped. The state is as it was.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolverError {
+    /// The model or the state is not one that can be simulated.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The model has more constraints than 32 bits can number.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// A parameter is out of range.
+    #[error("{what} is {value}; it must be {need}")]
+    Setting {
+        /// The parameter.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        need: &'static str,
+    },
+    /// A budget without an end.
+    #[error("the budget has no bound that is sure to end: set iterations or seconds")]
+    NoBudget,
+    /// A combination that does not exist.
+    #[error("{relaxation} works in Projective Dynamics only; take another relaxation for Position Based Dynamics")]
+    NotPositionBased {
+        /// The relaxation.
+        relaxation: &'static str,
+    },
+    /// The crate was built without the feature.
+    #[error("the direct solver is not built in: enable the feature `direct`")]
+    NoDirect,
+    /// Y could not be factored.
+    #[error("the matrix of the global step could not be factored ({reason}): masses or weights are too far apart")]
+    Factor {
+        /// What the factorisation said.
+        reason: String,
+    },
+    /// The step ended outside the range of `f32`.
+    #[error("particle {particle} left the range of numbers; the state was left as it was. Take a smaller step, or a solver with safeguard")]
+    Diverged {
+        /// The first particle that is not finite.
+        particle: usize,
+    },
+}

@@ -1,0 +1,28 @@
+//! Projective Dynamics and Position Based Dynamics, relaxed by colored Gauss-Seidel and by its rivals.
+//!
+//! [`System::step`] is Algorithm 1 of *Vivace* (Fratarcangeli, Tibaldo, Pellacini 2016). What varies is in two independent axes,
+//! [`Framework`] and [`Relaxation`], and in how long it may take, [`Budget`]. A relaxation is a schedule of [`Stages`], written
+//! once; each framework says what the stages do.
+
+mod budget;
+mod error;
+pub mod pbd;
+pub mod pd;
+mod relaxation;
+mod report;
+mod safeguard;
+mod solver;
+mod stages;
+mod step;
+mod system;
+
+#[cfg(feature = "direct")]
+pub mod reference;
+
+pub use budget::Budget;
+pub use error::SolverError;
+pub use report::{PhaseTimes, StepReport, Stop};
+pub use solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
+pub use stages::Stages;
+pub use system::System;
+pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Wind};

@@ -1,0 +1,157 @@
+//! What a kind of constraint adds beyond Y: projections that move with q. One pass for each kind that the scene holds and that is
+//! neither linear nor built into the rows; none, no cost.
+
+use std::ops::Range;
+
+use glam::{Mat3, Vec3, Vec3A};
+use rayon::prelude::*;
+use vivace_graph::Incidence;
+use vivace_kernels::constraint::Constraint;
+use vivace_model::{KindVisitor, Model, ModelError, Store};
+
+use super::layout::Layout;
+use super::sweep::sum_in_pieces;
+use crate::SolverError;
+
+/// A kind's local step.
+pub(crate) trait Pass: Send + Sync + std::fmt::Debug {
+    /// Computes all projections from q.
+    fn project(&mut self, q: &[Vec3A]);
+    /// Adds `w Aᵀ p` for the particles in `range`, p as last projected.
+    fn pull_projected(&self, range: Range<usize>, out: &mut [Vec3A]);
+    /// Adds `w Aᵀ p(q)` for the particles in `range`.
+    fn pull_fused(&self, range: Range<usize>, q: &[Vec3A], out: &mut [Vec3A]);
+    /// Adds to `block` by how much the kind's exact block at `particle` differs from its part in Y.
+    fn add_to_block(&self, particle: usize, q: &[Vec3A], block: &mut Mat3);
+    /// The energy of the kind's constraints \[J\].
+    fn energy(&self, q: &[Vec3A]) -> f64;
+}
+
+/// The pass of kind `C`.
+#[derive(Debug)]
+struct KindPass<C, const N: usize, const R: usize> {
+    particles: Vec<[u32; N]>,
+    rest: Vec<C>,
+    projected: Vec<[Vec3; R]>,
+    /// Particle to `constraint · N + slot`.
+    offsets: Vec<u32>,
+    slots: Vec<u32>,
+}
+
+/// Collects the passes of a model.
+pub(crate) struct Passes<'a> {
+    layout: &'a Layout,
+    passes: Vec<Box<dyn Pass>>,
+    failed: Option<SolverError>,
+}
+
+impl<'a> Passes<'a> {
+    /// One pass for each kind that needs it.
+    pub(crate) fn of(model: &Model, layout: &'a Layout) -> Result<Vec<Box<dyn Pass>>, SolverError> {
+        let mut passes = Self { layout, passes: Vec::new(), failed: None };
+        model.constraints().visit(&mut passes);
+        passes.failed.map_or(Ok(passes.passes), Err)
+    }
+}
+
+impl KindVisitor for Passes<'_> {
+    fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(&mut self, store: &Store<C, N>) {
+        // Springs and attachments are built into rows and anchors; hinges at rest when flat need no projection.
+        let needs_pass = |(_, rest): &(&[u32; N], &C)| !rest.is_linear();
+        if N <= 2 || !store.rest.iter().any(|rest| !rest.is_linear()) {
+            return;
+        }
+        let (particles, rest): (Vec<[u32; N]>, Vec<C>) = store
+            .particles
+            .iter()
+            .zip(&store.rest)
+            .filter(needs_pass)
+            .map(|(particles, rest)| (self.layout.places(*particles), *rest))
+            .unzip();
+        match KindPass::new(particles, rest, self.layout.n_free) {
+            Ok(pass) => self.passes.push(Box::new(pass)),
+            Err(error) => self.failed = Some(error),
+        }
+    }
+}
+
+impl<C: Constraint<N, R>, const N: usize, const R: usize> KindPass<C, N, R> {
+    fn new(particles: Vec<[u32; N]>, rest: Vec<C>, n_free: usize) -> Result<Self, SolverError> {
+        let n_particles = particles.iter().flatten().max().map_or(0, |&most| most as usize + 1).max(n_free);
+        let incidence = Incidence::from_constraints(n_particles, &particles)?;
+        let (mut offsets, mut slots) = (vec![0], Vec::new());
+        for particle in (0..).take(n_free) {
+            for &constraint in incidence.constraints(particle) {
+                let members = &particles[constraint as usize];
+                let at = (0..).zip(members).filter(|&(_, &p)| p == particle).map(|(slot, _)| slot);
+                // 4 · 2^30 slots: more than memory holds.
+                let n = u32::try_from(N).unwrap_or(u32::MAX);
+                slots.extend(at.map(|slot: u32| constraint * n + slot));
+            }
+            let end = u32::try_from(slots.len());
+            offsets.push(end.map_err(|_| ModelError::TooMany { n_particles: slots.len() })?);
+        }
+        let projected = vec![[Vec3::ZERO; R]; particles.len()];
+        Ok(Self { particles, rest, projected, offsets, slots })
+    }
+
+    fn slots(&self, particle: usize) -> impl Iterator<Item = (usize, usize)> {
+        let range = self.offsets[particle] as usize..self.offsets[particle + 1] as usize;
+        self.slots[range].iter().map(|&slot| (slot as usize / N, slot as usize % N))
+    }
+
+    #[inline]
+    fn corners(&self, constraint: usize, q: &[Vec3A]) -> [Vec3; N] {
+        self.particles[constraint].map(|particle| q[particle as usize].into())
+    }
+}
+
+/// Constraints that one thread projects before another may take over.
+const GRAIN: usize = 512;
+
+impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N, R> {
+    fn project(&mut self, q: &[Vec3A]) {
+        let (particles, rest) = (&self.particles, &self.rest);
+        let piece = |(piece, projected): (usize, &mut [[Vec3; R]])| {
+            let first = piece * GRAIN;
+            let range = first..first + projected.len();
+            C::project_all(&rest[range.clone()], |k| particles[range.start + k].map(|p| q[p as usize].into()), projected);
+        };
+        if rayon::current_num_threads() == 1 {
+            self.projected.chunks_mut(GRAIN).enumerate().for_each(piece);
+        } else {
+            self.projected.par_chunks_mut(GRAIN).enumerate().for_each(piece);
+        }
+    }
+
+    fn pull_projected(&self, range: Range<usize>, out: &mut [Vec3A]) {
+        for (particle, out) in range.zip(out) {
+            for (constraint, slot) in self.slots(particle) {
+                *out += Vec3A::from(self.rest[constraint].pull(slot, &self.projected[constraint]));
+            }
+        }
+    }
+
+    fn pull_fused(&self, range: Range<usize>, q: &[Vec3A], out: &mut [Vec3A]) {
+        for (particle, out) in range.zip(out) {
+            for (constraint, slot) in self.slots(particle) {
+                let rest = &self.rest[constraint];
+                let p = rest.project(rest.apply(&self.corners(constraint, q)));
+                *out += Vec3A::from(rest.pull(slot, &p));
+            }
+        }
+    }
+
+    fn add_to_block(&self, particle: usize, q: &[Vec3A], block: &mut Mat3) {
+        for (constraint, slot) in self.slots(particle) {
+            let rest = &self.rest[constraint];
+            *block += rest.block(&self.corners(constraint, q), slot);
+            *block -= Mat3::from_diagonal(Vec3::splat(rest.entry(slot, slot)));
+        }
+    }
+
+    fn energy(&self, q: &[Vec3A]) -> f64 {
+        let of = |constraint: usize| f64::from(self.rest[constraint].energy(&self.corners(constraint, q)));
+        sum_in_pieces(self.particles.len(), of)
+    }
+}

@@ -1,0 +1,103 @@
+//! Relaxations: schedules of [`Stages`].
+
+mod chebyshev;
+mod gauss_seidel;
+
+use crate::{Base, Relaxation, Stages};
+use chebyshev::Weights;
+
+/// Where a relaxation stands within a time step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Schedule {
+    relaxation: Relaxation,
+    /// Chebyshev's weights; begin anew with each time step.
+    weights: Weights,
+    /// Iterations done since the start, or since acceleration was lowered.
+    k: u32,
+}
+
+impl Schedule {
+    /// Before the first iteration. `ease` halves the acceleration so many times.
+    pub(crate) fn new(relaxation: Relaxation, ease: u32) -> Self {
+        let relaxation = eased(relaxation, ease);
+        let (rho, delay) = match relaxation {
+            Relaxation::Chebyshev { rho, delay, .. } | Relaxation::ChebyshevGaussSeidel { rho, delay } => {
+                (rho, delay)
+            }
+            Relaxation::SymmetricChebyshev { rho } => (rho, 0),
+            _ => (0.0, 0),
+        };
+        Self { relaxation, weights: Weights::new(rho, delay), k: 0 }
+    }
+
+    /// Whether safeguarding can help: plain iterations never raise the objective.
+    pub(crate) fn is_accelerated(&self) -> bool {
+        match self.relaxation {
+            Relaxation::GaussSeidel { omega, .. } | Relaxation::Lexicographic { omega } => omega > 1.0,
+            Relaxation::Jacobi { omega } => omega > 0.5,
+            Relaxation::Chebyshev { .. }
+            | Relaxation::SymmetricChebyshev { .. }
+            | Relaxation::ChebyshevGaussSeidel { .. } => true,
+            Relaxation::ConjugateGradient { .. } | Relaxation::Direct => false,
+        }
+    }
+
+    /// One iteration: the body of the loop in Algorithm 1, after the local step where it is apart.
+    pub(crate) fn iterate(&mut self, stages: &mut impl Stages) {
+        if self.k.is_multiple_of(stages.n_sweeps()) {
+            stages.project();
+        }
+        match self.relaxation {
+            Relaxation::Jacobi { omega } => stages.relax_all(omega),
+            Relaxation::Chebyshev { gamma, .. } => {
+                let weight = self.weights.next();
+                chebyshev::accelerated(stages, weight, |stages| stages.relax_all(gamma));
+            }
+            Relaxation::GaussSeidel { omega, base: Base::Latest } => gauss_seidel::forward(stages, omega),
+            Relaxation::GaussSeidel { omega, base: Base::PreviousInPlace } => {
+                gauss_seidel::from_previous(stages, if self.k == 0 { 1.0 } else { omega });
+            }
+            Relaxation::GaussSeidel { omega, base: Base::PreviousAfterSweep } => {
+                let weight = if self.k == 0 { 1.0 } else { omega };
+                chebyshev::accelerated(stages, weight, |stages| gauss_seidel::forward(stages, 1.0));
+            }
+            Relaxation::SymmetricChebyshev { .. } => {
+                let weight = self.weights.next();
+                chebyshev::accelerated(stages, weight, gauss_seidel::symmetric);
+            }
+            Relaxation::ChebyshevGaussSeidel { .. } => {
+                let weight = self.weights.next();
+                chebyshev::accelerated(stages, weight, |stages| gauss_seidel::forward(stages, 1.0));
+            }
+            Relaxation::Lexicographic { omega } => stages.relax_in_order(omega),
+            Relaxation::ConjugateGradient { preconditioner, inner } => {
+                stages.solve_by_conjugate_gradient(preconditioner, inner);
+            }
+            Relaxation::Direct => stages.solve_directly(),
+        }
+        self.k += 1;
+    }
+}
+
+/// The relaxation with its acceleration halved `ease` times: ω towards 1, ρ away from 1.
+fn eased(relaxation: Relaxation, ease: u32) -> Relaxation {
+    let half = 0.5_f32.powi(ease.min(100).cast_signed());
+    let towards_one = |omega: f32| if omega > 1.0 { 1.0 + (omega - 1.0) * half } else { omega };
+    let away_from_one = |rho: f32| (1.0 - (1.0 - rho) / half).max(0.0);
+    match relaxation {
+        Relaxation::Jacobi { omega } => Relaxation::Jacobi { omega: omega * half },
+        Relaxation::Chebyshev { rho, gamma, delay } => Relaxation::Chebyshev {
+            rho: away_from_one(rho),
+            // The first steps back lower ρ; if that does not help, Jacobi itself diverges.
+            gamma: if ease > 4 { gamma * half * 16.0 } else { gamma },
+            delay,
+        },
+        Relaxation::GaussSeidel { omega, base } => Relaxation::GaussSeidel { omega: towards_one(omega), base },
+        Relaxation::SymmetricChebyshev { rho } => Relaxation::SymmetricChebyshev { rho: away_from_one(rho) },
+        Relaxation::ChebyshevGaussSeidel { rho, delay } => {
+            Relaxation::ChebyshevGaussSeidel { rho: away_from_one(rho), delay }
+        }
+        Relaxation::Lexicographic { omega } => Relaxation::Lexicographic { omega: towards_one(omega) },
+        exact @ (Relaxation::ConjugateGradient { .. } | Relaxation::Direct) => exact,
+    }
+}

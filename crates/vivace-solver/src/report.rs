@@ -1,0 +1,51 @@
+//! What a step says of itself.
+
+use serde::{Deserialize, Serialize};
+
+/// What one step did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepReport {
+    /// Iterations of the relaxation, over all substeps.
+    pub iterations: u32,
+    /// Colors of the sweeps; 0 where the relaxation needs none.
+    pub colors: u32,
+    /// Root mean square distance that the last iteration moved the particles \[m\].
+    pub last_move: f32,
+    /// Objective of the time step \[J\] at its end: inertia and energy of the constraints. Only where [`Solver::safeguard`] or
+    /// [`System::measure`] asks for it; NaN otherwise.
+    ///
+    /// [`Solver::safeguard`]: crate::Solver::safeguard
+    /// [`System::measure`]: crate::System::measure
+    pub objective: f64,
+    /// How often the safeguard took back an iteration and lowered the acceleration.
+    pub backoffs: u32,
+    /// Time per phase.
+    pub times: PhaseTimes,
+    /// Why it stopped.
+    pub stop: Stop,
+}
+
+/// Seconds spent in each phase of a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct PhaseTimes {
+    /// Graph, coloring, matrix, factorisation: 0 where nothing changed.
+    pub setup: f64,
+    /// Outer forces and prediction.
+    pub predict: f64,
+    /// Iterations.
+    pub solve: f64,
+    /// Velocities, checks.
+    pub finish: f64,
+}
+
+/// Why a step stopped.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Stop {
+    /// All iterations were done.
+    #[default]
+    Iterations,
+    /// The time was up.
+    Time,
+    /// The particles moved no more than the tolerance.
+    Tolerance,
+}

@@ -1,0 +1,216 @@
+//! What may be chosen: framework, relaxation, small steps.
+
+use serde::{Deserialize, Serialize};
+
+use crate::SolverError;
+
+/// How a time step is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Solver {
+    /// What is solved.
+    pub framework: Framework,
+    /// How it is relaxed.
+    pub relaxation: Relaxation,
+    /// The time step is cut into this many small ones, and the iterations are shared among them (Macklin et al. 2019). For a
+    /// given number of iterations more steps mean less error and less damping, down to one iteration each.
+    pub substeps: u32,
+    /// Watch the objective and back acceleration off when it rises (a few per cent of the time). Without it the relaxation does
+    /// exactly what it is told, and may diverge.
+    pub safeguard: bool,
+}
+
+impl Default for Solver {
+    /// Projective Dynamics by colored Gauss-Seidel, ω = 1.7, which never blew up in any test.
+    fn default() -> Self {
+        Self {
+            framework: Framework::default(),
+            relaxation: Relaxation::GaussSeidel { omega: 1.7, base: Base::Latest },
+            substeps: 1,
+            safeguard: true,
+        }
+    }
+}
+
+/// What the constraints mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Framework {
+    /// Eq. 1 (Bouaziz et al. 2014): implicit Euler as alternating local projections and a global linear system.
+    ProjectiveDynamics {
+        /// When projections are computed.
+        local: LocalStep,
+        /// What one vertex is solved with.
+        vertex: VertexSolve,
+    },
+    /// Constraints projected one by one (Müller et al. 2007), with the compliance 1/w of XPBD (Macklin et al. 2016).
+    PositionBased,
+}
+
+impl Default for Framework {
+    fn default() -> Self {
+        Self::ProjectiveDynamics { local: LocalStep::Fused, vertex: VertexSolve::Diagonal }
+    }
+}
+
+/// When Projective Dynamics computes its projections.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum LocalStep {
+    /// Anew for each vertex, from the latest positions, as it is solved. Best for springs: a projection costs little.
+    #[default]
+    Fused,
+    /// All of them once, then this many sweeps of the linear system. Best for tetrahedra, whose projections cost most.
+    Split {
+        /// Sweeps per local step.
+        sweeps: u32,
+    },
+}
+
+/// What the equation of one vertex is divided by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum VertexSolve {
+    /// The scalar diagonal of Y, an upper bound of the curvature in every direction.
+    #[default]
+    Diagonal,
+    /// The vertex's own 3 × 3 block of the Hessian, made positive semi-definite: costs about three times as much, and knows that
+    /// a spring is soft across. Implies projections from the latest positions.
+    Block,
+}
+
+/// How the unknowns are relaxed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Relaxation {
+    /// All vertices at once, `q += omega · (q̂ − q)`. In Position Based Dynamics corrections are averaged (Macklin et al. 2014).
+    Jacobi {
+        /// Under-relaxation; 2/3 never diverged, 1 does where bending dominates.
+        omega: f32,
+    },
+    /// Jacobi under Chebyshev weights (Wang 2015).
+    Chebyshev {
+        /// Estimated spectral radius, below 1. The closer, the faster, and the sooner it diverges: up to 0.99 it hardly ever did.
+        rho: f32,
+        /// Under-relaxation γ of the Jacobi iteration.
+        gamma: f32,
+        /// Iterations before acceleration begins.
+        delay: u32,
+    },
+    /// Color by color (Algorithm 1), over-relaxed by `omega` in 0..2.
+    GaussSeidel {
+        /// 1 is plain; up to 1.7 never blew up; 1.9 is best for stiff systems and many iterations.
+        omega: f32,
+        /// How line 7 is read.
+        base: Base,
+    },
+    /// Colors forward, then backward, under Chebyshev weights: the spectrum is real and within [0, 1), so in the linear problem
+    /// acceleration cannot diverge. One iteration is two sweeps.
+    SymmetricChebyshev {
+        /// Estimated spectral radius of the double sweep, below 1.
+        rho: f32,
+    },
+    /// Colored sweeps under Chebyshev weights: fast, and may diverge (complex eigenvalues), so keep the safeguard.
+    ChebyshevGaussSeidel {
+        /// Estimated spectral radius of the sweep, below 1.
+        rho: f32,
+        /// Sweeps before acceleration begins.
+        delay: u32,
+    },
+    /// One vertex after the other in the model's own order, on one thread: what coloring replaces. For reference.
+    Lexicographic {
+        /// As for [`Relaxation::GaussSeidel`].
+        omega: f32,
+    },
+    /// Preconditioned conjugate gradients on the linear system of each local step. Projective Dynamics only. For reference.
+    ConjugateGradient {
+        /// The preconditioner.
+        preconditioner: Preconditioner,
+        /// Iterations per local step.
+        inner: u32,
+    },
+    /// A sparse Cholesky factorisation, made once per time step size, solves the linear system exactly after each local step. On
+    /// a fixed topology the best of all by far, as long as the factor fits. Projective Dynamics only, feature `direct`.
+    Direct,
+}
+
+/// What line 7 of Algorithm 1 extrapolates from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Base {
+    /// The latest positions, q^k: successive over-relaxation, convergent for 0 < ω < 2 on any symmetric positive definite Y.
+    #[default]
+    Latest,
+    /// The positions an iteration earlier, q^(k−1), vertex by vertex, as printed: unstable above ω = 4/3.
+    PreviousInPlace,
+    /// q^(k−1), for all vertices after a whole sweep.
+    PreviousAfterSweep,
+}
+
+/// Preconditioners of [`Relaxation::ConjugateGradient`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Preconditioner {
+    /// The diagonal of Y.
+    Jacobi,
+    /// A colored sweep forward and one backward.
+    SymmetricGaussSeidel,
+}
+
+impl Solver {
+    /// Whether all parameters are in range and the combination exists.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), SolverError> {
+        if self.substeps == 0 || self.substeps > MAX_SUBSTEPS {
+            let (what, value) = ("the number of substeps", f64::from(self.substeps));
+            return Err(SolverError::Setting { what, value, need: "at least 1 and at most 10,000" });
+        }
+        if let Framework::ProjectiveDynamics { local: LocalStep::Split { sweeps: 0 }, .. } = self.framework {
+            let (what, value) = ("the number of sweeps per local step", 0.0);
+            return Err(SolverError::Setting { what, value, need: "at least 1" });
+        }
+        let omega = |omega: f32| in_range("omega", omega, omega > 0.0 && omega < 2.0, "above 0 and below 2");
+        let rho = |rho: f32| in_range("rho", rho, (0.0..1.0).contains(&rho), "at least 0 and below 1");
+        match self.relaxation {
+            Relaxation::Jacobi { omega: o }
+            | Relaxation::GaussSeidel { omega: o, .. }
+            | Relaxation::Lexicographic { omega: o } => omega(o),
+            Relaxation::Chebyshev { rho: r, gamma, .. } => {
+                rho(r)?;
+                in_range("gamma", gamma, gamma > 0.0 && gamma <= 1.0, "above 0 and at most 1")
+            }
+            Relaxation::SymmetricChebyshev { rho: r } | Relaxation::ChebyshevGaussSeidel { rho: r, .. } => rho(r),
+            Relaxation::ConjugateGradient { .. } | Relaxation::Direct
+                if self.framework == Framework::PositionBased =>
+            {
+                Err(SolverError::NotPositionBased { relaxation: self.relaxation.name() })
+            }
+            Relaxation::ConjugateGradient { inner: 0, .. } => {
+                in_range("the number of conjugate gradient iterations", 0.0, false, "at least 1")
+            }
+            Relaxation::Direct if !cfg!(feature = "direct") => Err(SolverError::NoDirect),
+            Relaxation::ConjugateGradient { .. } | Relaxation::Direct => Ok(()),
+        }
+    }
+}
+
+const MAX_SUBSTEPS: u32 = 10_000;
+
+fn in_range(what: &'static str, value: f32, is_in: bool, need: &'static str) -> Result<(), SolverError> {
+    if is_in { Ok(()) } else { Err(SolverError::Setting { what, value: f64::from(value), need }) }
+}
+
+impl Relaxation {
+    /// The kind of relaxation, without its parameters.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Jacobi { .. } => "jacobi",
+            Self::Chebyshev { .. } => "chebyshev-jacobi",
+            Self::GaussSeidel { base: Base::Latest, .. } => "gauss-seidel",
+            Self::GaussSeidel { base: Base::PreviousInPlace, .. } => "gauss-seidel-previous-in-place",
+            Self::GaussSeidel { base: Base::PreviousAfterSweep, .. } => "gauss-seidel-previous-after-sweep",
+            Self::SymmetricChebyshev { .. } => "chebyshev-symmetric",
+            Self::ChebyshevGaussSeidel { .. } => "chebyshev-gauss-seidel",
+            Self::Lexicographic { .. } => "lexicographic",
+            Self::ConjugateGradient { .. } => "conjugate-gradient",
+            Self::Direct => "direct",
+        }
+    }
+}

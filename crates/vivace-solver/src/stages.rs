@@ -1,0 +1,58 @@
+//! The verbs of a relaxation.
+
+use crate::Preconditioner;
+
+/// What an iteration is made of. A relaxation is a schedule of these, written once; Projective Dynamics and Position Based
+/// Dynamics, and any device, say what they do.
+///
+/// Positions q are kept inside. `previous` is q an iteration earlier, as Chebyshev's three-term recurrence and two readings of
+/// line 7 need it.
+pub trait Stages {
+    /// How many colors a sweep has.
+    fn n_colors(&self) -> u32;
+
+    /// The local step, where it is apart from the sweeps.
+    fn project(&mut self);
+
+    /// Sweeps for each local step: 1 where projections are part of the sweep.
+    fn n_sweeps(&self) -> u32 {
+        1
+    }
+
+    /// Lines 5 to 7 for the members of one color: `q += omega · (q̂ − q)`.
+    fn relax_color(&mut self, color: u32, omega: f32);
+
+    /// As [`Stages::relax_color`], from the previous positions: `q = previous + omega · (q̂ − previous)`. Remembers q as previous.
+    fn relax_color_from_previous(&mut self, color: u32, omega: f32);
+
+    /// All members at once from the same positions: `q += omega · (q̂ − q)`.
+    fn relax_all(&mut self, omega: f32);
+
+    /// One after another in the model's own order, on one thread.
+    fn relax_in_order(&mut self, omega: f32);
+
+    /// The linear system of the local step, by so many steps of preconditioned conjugate gradients.
+    fn solve_by_conjugate_gradient(&mut self, preconditioner: Preconditioner, inner: u32);
+
+    /// The linear system of the local step, exactly.
+    fn solve_directly(&mut self);
+
+    /// Keeps a copy of q to extrapolate from.
+    fn remember(&mut self);
+
+    /// Chebyshev: `q = previous + omega · (q − previous)`, where previous was an iteration earlier, and keeps what
+    /// [`Stages::remember`] saw as previous.
+    fn extrapolate(&mut self, omega: f32);
+
+    /// Root mean square distance between q and what [`Stages::remember`] saw \[m\].
+    fn moved(&self) -> f32;
+
+    /// The objective g(q) that the time step minimises \[J\]: inertia and the energy of the constraints.
+    fn objective(&self) -> f64;
+
+    /// Keeps q to come back to.
+    fn save(&mut self);
+
+    /// Brings back what [`Stages::save`] kept, and forgets the iterations since.
+    fn restore(&mut self);
+}

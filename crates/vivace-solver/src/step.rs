@@ -1,0 +1,96 @@
+//! Algorithm 1.
+
+use std::time::Instant;
+
+use crate::relaxation::Schedule;
+use crate::safeguard::Safeguard;
+use crate::{Budget, Solver, Stages, StepReport, Stop};
+
+/// Acceleration eased by earlier steps, and how long it has been well since.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Ease {
+    level: u32,
+    quiet_steps: u32,
+}
+
+/// Steps without trouble after which acceleration is raised again by one level.
+const RECOVERY: u32 = 30;
+/// Beyond this many halvings nothing is left of any acceleration.
+const LARGEST: u32 = 24;
+
+impl Ease {
+    fn more(&mut self) {
+        *self = Self { level: (self.level + 1).min(LARGEST), quiet_steps: 0 };
+    }
+
+    fn quiet(&mut self) {
+        self.quiet_steps += 1;
+        if self.quiet_steps == RECOVERY {
+            *self = Self { level: self.level.saturating_sub(1), quiet_steps: 0 };
+        }
+    }
+}
+
+/// Lines 3 to 8 of Algorithm 1: iterations until `budget` is spent, on positions that were predicted before.
+pub(crate) fn solve(
+    stages: &mut impl Stages,
+    solver: &Solver,
+    budget: &Budget,
+    start: Instant,
+    ease: &mut Ease,
+    report: &mut StepReport,
+) {
+    let most = budget.iterations.unwrap_or(u32::MAX);
+    let mut schedule = Schedule::new(solver.relaxation, ease.level);
+    let mut safeguard = (solver.safeguard && most > 0 && schedule.is_accelerated())
+        .then(|| Safeguard::begin(stages));
+    let solve_start = Instant::now();
+    let (mut k, mut backoffs) = (0, 0);
+    report.stop = Stop::Iterations;
+    while k < most {
+        if k > 0 && budget.seconds.is_some_and(|seconds| is_spent(start, solve_start, k, seconds)) {
+            report.stop = Stop::Time;
+            break;
+        }
+        if budget.tolerance.is_some() {
+            stages.remember();
+        }
+        schedule.iterate(stages);
+        k += 1;
+        if let Some(safeguard) = &mut safeguard
+            && (safeguard.is_due(k) || k == most)
+            && safeguard.check(k, stages)
+        {
+            backoffs += 1;
+            ease.more();
+            schedule = Schedule::new(solver.relaxation, ease.level);
+            continue;
+        }
+        if let Some(tolerance) = budget.tolerance {
+            report.last_move = stages.moved();
+            if report.last_move <= tolerance {
+                report.stop = Stop::Tolerance;
+                break;
+            }
+        }
+    }
+    if let Some(safeguard) = &mut safeguard {
+        if report.stop != Stop::Iterations && safeguard.check(k, stages) {
+            backoffs += 1;
+            ease.more();
+        }
+        report.objective = safeguard.lowest();
+        if backoffs == 0 {
+            ease.quiet();
+        }
+    }
+    report.iterations += k;
+    report.backoffs += backoffs;
+}
+
+/// Whether another iteration, as long as the mean of the `k` so far, would end after `seconds` since `start`.
+fn is_spent(start: Instant, solve_start: Instant, k: u32, seconds: f64) -> bool {
+    let now = Instant::now();
+    let mean = (now - solve_start).as_secs_f64() / f64::from(k);
+    (now - start).as_secs_f64() + mean > seconds
+}

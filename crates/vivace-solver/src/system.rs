@@ -1,0 +1,235 @@
+//! A model, prepared for a solver.
+
+use std::time::Instant;
+
+use glam::Vec3;
+use vivace_model::{Forces, Model, ModelError, State};
+
+use crate::pbd::PositionBased;
+use crate::pd::ProjectiveDynamics;
+use crate::step::{Ease, solve};
+use crate::{Budget, Framework, Relaxation, Solver, SolverError, StepReport};
+
+/// A model with everything that does not change from frame to frame: coloring, matrix, scratch. A step allocates nothing after the
+/// first of its size.
+///
+/// Work runs in the rayon pool it is called in; the answer is the same, bit for bit, on any number of threads.
+#[derive(Debug)]
+pub struct System {
+    model: Model,
+    solver: Solver,
+    engine: Engine,
+    ease: Ease,
+    /// Positions before the (sub)step, predicted, and after it; velocities and accelerations.
+    before: Vec<Vec3>,
+    predicted: Vec<Vec3>,
+    after: Vec<Vec3>,
+    velocities: Vec<Vec3>,
+    accelerations: Vec<Vec3>,
+}
+
+#[derive(Debug)]
+enum Engine {
+    ProjectiveDynamics(Box<ProjectiveDynamics>),
+    PositionBased(Box<PositionBased>),
+}
+
+impl Engine {
+    fn new(model: &Model, solver: &Solver) -> Result<Self, SolverError> {
+        Ok(match solver.framework {
+            Framework::ProjectiveDynamics { .. } => {
+                Self::ProjectiveDynamics(Box::new(ProjectiveDynamics::new(model, solver)?))
+            }
+            Framework::PositionBased => Self::PositionBased(Box::new(PositionBased::new(model)?)),
+        })
+    }
+}
+
+impl System {
+    /// Prepares `model` for `solver`: graph, coloring, rows of Y.
+    ///
+    /// # Errors
+    /// Parameters out of range; a combination that does not exist; more constraints than 32 bits can number.
+    pub fn new(model: Model, solver: Solver) -> Result<Self, SolverError> {
+        solver.check()?;
+        let engine = Engine::new(&model, &solver)?;
+        let zeros = || vec![Vec3::ZERO; model.n_particles()];
+        Ok(Self {
+            solver,
+            engine,
+            ease: Ease::default(),
+            before: zeros(),
+            predicted: zeros(),
+            after: zeros(),
+            velocities: zeros(),
+            accelerations: zeros(),
+            model,
+        })
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The solver.
+    #[must_use]
+    pub fn solver(&self) -> Solver {
+        self.solver
+    }
+
+    /// Takes another solver for the same model.
+    ///
+    /// # Errors
+    /// As [`System::new`]; the old solver stays.
+    pub fn set_solver(&mut self, solver: Solver) -> Result<(), SolverError> {
+        solver.check()?;
+        self.engine = Engine::new(&self.model, &solver)?;
+        self.solver = solver;
+        self.ease = Ease::default();
+        Ok(())
+    }
+
+    /// Moves the target of attachment `idx` \[m\]: dragging.
+    ///
+    /// # Errors
+    /// There is no such attachment; the target is not finite.
+    pub fn set_attachment_target(&mut self, idx: usize, target: Vec3) -> Result<(), ModelError> {
+        self.model.set_attachment_target(idx, target)?;
+        match &mut self.engine {
+            Engine::ProjectiveDynamics(pd) => pd.set_attachment_target(idx, target),
+            Engine::PositionBased(pbd) => pbd.set_attachment_target(idx, target),
+        }
+        Ok(())
+    }
+
+    /// How many colors a sweep has.
+    #[must_use]
+    pub fn n_colors(&self) -> usize {
+        match &self.engine {
+            Engine::ProjectiveDynamics(pd) => pd.n_colors(),
+            Engine::PositionBased(pbd) => pbd.n_colors(),
+        }
+    }
+
+    /// How many passes beside the sweep itself an iteration has: one for each kind of constraint that needs one.
+    #[must_use]
+    pub fn n_passes(&self) -> usize {
+        match &self.engine {
+            Engine::ProjectiveDynamics(pd) => pd.n_passes(),
+            Engine::PositionBased(pbd) => pbd.n_passes(),
+        }
+    }
+
+    /// Advances `state` by `h` \[s\]: Algorithm 1, once for each small step.
+    ///
+    /// # Errors
+    /// A state, force, step or budget that cannot be simulated; a result that is not finite. The state is then as it was.
+    pub fn step(
+        &mut self,
+        state: &mut State,
+        forces: &Forces,
+        h: f32,
+        budget: Budget,
+    ) -> Result<StepReport, SolverError> {
+        let start = Instant::now();
+        budget.check()?;
+        forces.check()?;
+        state.check(&self.model)?;
+        if !(h > 0.0 && h <= MAX_STEP) {
+            return Err(SolverError::Setting { what: "the time step [s]", value: f64::from(h), need: "above 0, at most 1000" });
+        }
+        self.before.copy_from_slice(&state.positions);
+        self.velocities.copy_from_slice(&state.velocities);
+        let n_substeps = self.solver.substeps.min(budget.iterations.unwrap_or(u32::MAX)).max(1);
+        let small_h = h / n_substeps as f32;
+        let mut report = StepReport { objective: f64::NAN, last_move: f32::NAN, ..StepReport::default() };
+        if let Engine::ProjectiveDynamics(pd) = &mut self.engine {
+            pd.prepare(small_h)?;
+        }
+        report.times.setup = start.elapsed().as_secs_f64();
+        for substep in 0..n_substeps {
+            let share = share_of(&budget, substep, n_substeps);
+            self.substep(forces, small_h, &share, start, &mut report);
+        }
+        let finish_start = Instant::now();
+        report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
+        let is_bad = |i: &usize| !(self.after[*i].is_finite() && self.velocities[*i].is_finite());
+        if let Some(particle) = (0..self.after.len()).find(is_bad) {
+            return Err(SolverError::Diverged { particle });
+        }
+        state.positions.copy_from_slice(&self.after);
+        state.velocities.copy_from_slice(&self.velocities);
+        report.times.finish += finish_start.elapsed().as_secs_f64();
+        Ok(report)
+    }
+
+    /// Algorithm 1.
+    fn substep(&mut self, forces: &Forces, h: f32, budget: &Budget, start: Instant, report: &mut StepReport) {
+        let predict_start = Instant::now();
+        self.predict(forces, h);
+        let solve_start = Instant::now();
+        report.times.predict += (solve_start - predict_start).as_secs_f64();
+        match &mut self.engine {
+            Engine::ProjectiveDynamics(pd) => {
+                pd.begin(&self.predicted);
+                solve(&mut **pd, &self.solver, budget, start, &mut self.ease, report);
+                pd.end(&mut self.after);
+            }
+            Engine::PositionBased(pbd) => {
+                pbd.begin(h, &self.predicted);
+                solve(&mut **pbd, &self.solver, budget, start, &mut self.ease, report);
+                pbd.end(&mut self.after);
+            }
+        }
+        let finish_start = Instant::now();
+        report.times.solve += (finish_start - solve_start).as_secs_f64();
+        self.update_velocities(forces, h);
+        self.before.copy_from_slice(&self.after);
+        report.times.finish += finish_start.elapsed().as_secs_f64();
+    }
+
+    /// Line 1: `q⁰ = q + h v + h² M⁻¹ f`.
+    fn predict(&mut self, forces: &Forces, h: f32) {
+        self.accelerations.fill(forces.gravity);
+        forces.add_wind(&self.model, &self.before, &self.velocities, &mut self.accelerations);
+        for (particle, predicted) in self.predicted.iter_mut().enumerate() {
+            let (q, v) = (self.before[particle], self.velocities[particle]);
+            let is_free = self.model.masses()[particle].is_finite();
+            *predicted = if is_free { q + h * (v + h * self.accelerations[particle]) } else { q };
+        }
+    }
+
+    /// Line 9: `v = (q' − q) / h`, damped.
+    fn update_velocities(&mut self, forces: &Forces, h: f32) {
+        let scale = (-forces.damping * h).exp() / h;
+        for ((velocity, after), before) in self.velocities.iter_mut().zip(&self.after).zip(&self.before) {
+            *velocity = (*after - *before) * scale;
+        }
+    }
+
+    /// What [`Relaxation::name`] calls the relaxation, and the framework.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let framework = match self.solver.framework {
+            Framework::ProjectiveDynamics { .. } => "pd",
+            Framework::PositionBased => "xpbd",
+        };
+        format!("{framework} {}", Relaxation::name(&self.solver.relaxation))
+    }
+}
+
+/// The longest time step \[s\].
+const MAX_STEP: f32 = 1000.0;
+
+/// What small step `k` of `n` may use of a budget: its share of the iterations, and the time until its share has passed.
+fn share_of(budget: &Budget, k: u32, n: u32) -> Budget {
+    let iterations = budget.iterations.map(|all| {
+        let until = |k: u32| u64::from(all) * u64::from(k) / u64::from(n);
+        // At most `all`, which is 32-bit.
+        u32::try_from(until(k + 1) - until(k)).unwrap_or(u32::MAX)
+    });
+    let seconds = budget.seconds.map(|all| all * f64::from(k + 1) / f64::from(n));
+    Budget { iterations, seconds, ..*budget }
+}

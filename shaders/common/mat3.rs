@@ -1,0 +1,1 @@
+//! 3 × 3 matrices: nearest rotation and singular values.

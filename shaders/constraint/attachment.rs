@@ -1,0 +1,51 @@
+//! A particle held at a point: a pin, or the target of a drag.
+//!
+//! A q = q_0, p = the target: W = w/2 |q_0 − target|². For a particle that must not give at all, take an infinite mass instead.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use super::Constraint;
+
+/// Where a particle is held.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Attachment {
+    /// The target \[m\].
+    pub target: Vec3,
+    /// Stiffness w \[N/m\].
+    pub stiffness: f32,
+}
+
+impl Constraint<1, 1> for Attachment {
+    const NAME: &'static str = "attachment";
+
+    #[inline]
+    fn weight(&self) -> f32 {
+        self.stiffness
+    }
+
+    #[inline]
+    fn column(&self, _slot: usize) -> [f32; 1] {
+        [1.0]
+    }
+
+    #[inline]
+    fn project(&self, _aq: [Vec3; 1]) -> [Vec3; 1] {
+        [self.target]
+    }
+
+    #[inline]
+    fn is_linear(&self) -> bool {
+        true
+    }
+
+    fn set_target(&mut self, target: Vec3) {
+        self.target = target;
+    }
+
+    #[inline]
+    fn apply(&self, q: &[Vec3; 1]) -> [Vec3; 1] {
+        *q
+    }
+}

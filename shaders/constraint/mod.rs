@@ -1,0 +1,129 @@
+//! The kinds of constraints, one file each.
+//!
+//! Every kind has the form of Projective Dynamics (Bouaziz et al. 2014): an energy
+//!
+//! ```text
+//! W(q) = w/2 ‖A q − p(A q)‖²
+//! ```
+//!
+//! of its `N` particles q, where the `R` × `N` matrix A is constant and p projects A q on the set where the constraint is at
+//! rest. What a solver needs follows from A, w and p: the entries of Y (Eq. 1), the right-hand side, gradients (p moves along
+//! the set, so its derivative drops out), and the scalar C with its gradient that Position Based Dynamics wants.
+
+mod attachment;
+mod bending;
+mod spring;
+mod tet_strain;
+mod tet_volume;
+mod triangle_strain;
+
+use glam::{Mat3, Vec3};
+
+pub use attachment::Attachment;
+pub use bending::Bending;
+pub use spring::Spring;
+pub use tet_strain::TetStrain;
+pub use tet_volume::TetVolume;
+pub use triangle_strain::TriangleStrain;
+
+use crate::Element;
+
+/// A constraint on `N` particles with `R` rows. A value of the type is the rest data of one constraint.
+pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug {
+    /// The kind's one name.
+    const NAME: &'static str;
+
+    /// Weight w: \[N/m\] where A q is a length \[m\], \[J\] = \[N m\] where A q has no unit.
+    fn weight(&self) -> f32;
+
+    /// Column `slot` of A: what particle `slot` contributes to each of the rows.
+    fn column(&self, slot: usize) -> [f32; R];
+
+    /// p: the point nearest to `aq` in the set where the constraint is at rest. Finite for every finite `aq`.
+    fn project(&self, aq: [Vec3; R]) -> [Vec3; R];
+
+    /// Projects the constraints `rest`, whose particles are at `corners(k)`: the local step, for kinds that are faster in bulk.
+    fn project_all(rest: &[Self], corners: impl Fn(usize) -> [Vec3; N], projected: &mut [[Vec3; R]]) {
+        for (k, (rest, projected)) in rest.iter().zip(projected).enumerate() {
+            *projected = rest.project(rest.apply(&corners(k)));
+        }
+    }
+
+    /// Whether p is the same whatever q is: the constraint is then linear and needs no local step.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
+    /// Moves the point that the constraint holds to, of kinds that have one.
+    fn set_target(&mut self, _target: Vec3) {}
+
+    /// A q, from differences to the first particle: the rows of A add up to 0, so far from the origin nothing cancels.
+    #[inline]
+    fn apply(&self, q: &[Vec3; N]) -> [Vec3; R] {
+        let mut aq = [Vec3::ZERO; R];
+        for slot in 1..N {
+            let (column, d) = (self.column(slot), q[slot] - q[0]);
+            for row in 0..R {
+                aq[row] += column[row] * d;
+            }
+        }
+        aq
+    }
+
+    /// A q − p(A q).
+    #[inline]
+    fn residual(&self, q: &[Vec3; N]) -> [Vec3; R] {
+        let aq = self.apply(q);
+        let p = self.project(aq);
+        std::array::from_fn(|row| aq[row] - p[row])
+    }
+
+    /// W(q) \[J\].
+    #[inline]
+    fn energy(&self, q: &[Vec3; N]) -> f32 {
+        0.5 * self.weight() * self.residual(q).iter().map(|r| r.length_squared()).sum::<f32>()
+    }
+
+    /// w Aᵀ x for particle `slot`: with x = p its share of the right-hand side of Eq. 1, with x = A q − p the gradient of W.
+    #[inline]
+    fn pull(&self, slot: usize, x: &[Vec3; R]) -> Vec3 {
+        let column = self.column(slot);
+        let mut sum = Vec3::ZERO;
+        for row in 0..R {
+            sum += column[row] * x[row];
+        }
+        self.weight() * sum
+    }
+
+    /// Entry (`a`, `b`) of w AᵀA, which this constraint adds to Y.
+    #[inline]
+    fn entry(&self, a: usize, b: usize) -> f32 {
+        let (a, b) = (self.column(a), self.column(b));
+        self.weight() * a.iter().zip(&b).map(|(a, b)| a * b).sum::<f32>()
+    }
+
+    /// The 3 × 3 block of the Hessian of W at particle `slot`, made positive semi-definite. By default the block of Y, which is
+    /// an upper bound of it.
+    #[inline]
+    fn block(&self, _q: &[Vec3; N], slot: usize) -> Mat3 {
+        Mat3::from_diagonal(Vec3::splat(self.entry(slot, slot)))
+    }
+
+    /// The scalar C(q) with W = w/2 C², and its gradient for each particle: what Position Based Dynamics projects. By default
+    /// C = ‖A q − p‖; the gradient is 0 at rest.
+    #[inline]
+    fn deviation(&self, q: &[Vec3; N]) -> (f32, [Vec3; N]) {
+        let r = self.residual(q);
+        let c = r.iter().map(|r| r.length_squared()).sum::<f32>().sqrt();
+        let scale = if c > 0.0 { 1.0 / c } else { 0.0 };
+        let gradient = std::array::from_fn(|slot| {
+            let column = self.column(slot);
+            let mut sum = Vec3::ZERO;
+            for row in 0..R {
+                sum += column[row] * r[row];
+            }
+            sum * scale
+        });
+        (c, gradient)
+    }
+}
