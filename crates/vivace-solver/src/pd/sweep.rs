@@ -8,7 +8,7 @@ use std::ops::Range;
 use glam::{Mat3, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
 
-use super::rows::Rows;
+use super::rows::{Quad, Rows};
 
 /// What a sweep reads beside q.
 #[derive(Debug, Clone, Copy)]
@@ -31,33 +31,24 @@ impl Vertices<'_> {
     pub(crate) fn fused(&self, i: usize, q: &[Vec3A], pull: Vec3A) -> Vec3A {
         let rows = self.rows;
         let at = q[i];
-        let mut sum = self.anchor_weights[i] * (self.anchors[i] - at) + pull;
-        let (start, middle) = (rows.offsets[i] as usize, rows.spring_ends[i] as usize);
-        let end = rows.offsets[i + 1] as usize;
-        let (columns, weights) = (&rows.columns[start..middle], &rows.weights[start..middle]);
-        let pulls = &rows.pulls[start..middle];
-        let (columns4, columns1) = columns.as_chunks::<4>();
-        let (weights4, weights1) = weights.as_chunks::<4>();
-        let (pulls4, pulls1) = pulls.as_chunks::<4>();
-        for ((columns, weights), pulls) in columns4.iter().zip(weights4).zip(pulls4) {
-            let d = columns.map(|j| q[j as usize] - at);
-            let c = Vec4::from_array(*weights) - Vec4::from_array(*pulls) / lengths(&d);
-            sum += d[0] * c.x + d[1] * c.y;
-            sum += d[2] * c.z + d[3] * c.w;
+        let sum = self.anchor_weights[i] * (self.anchors[i] - at) + pull;
+        let (mut x, mut y, mut z) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
+        for quad in self.quads(i) {
+            let d = Four::new(&quad.columns, q, at);
+            let c = Vec4::from_array(quad.weights) - Vec4::from_array(quad.pulls) / d.length();
+            x += d.x * c;
+            y += d.y * c;
+            z += d.z * c;
         }
-        let n_left = columns1.len();
-        if n_left > 0 {
-            let (mut d, mut weights, mut pulls) = ([Vec3A::ZERO; 4], [0.0; 4], [0.0; 4]);
-            for k in 0..n_left.min(3) {
-                d[k] = q[columns1[k] as usize] - at;
-                weights[k] = weights1[k];
-                pulls[k] = pulls1[k];
-            }
-            let c = Vec4::from_array(weights) - Vec4::from_array(pulls) / lengths(&d);
-            sum += d[0] * c.x + d[1] * c.y;
-            sum += d[2] * c.z;
-        }
-        sum + taps(&rows.columns[middle..end], &rows.weights[middle..end], q, at)
+        let springs = Vec3A::new(x.element_sum(), y.element_sum(), z.element_sum());
+        let others = rows.spring_ends[i] as usize..rows.offsets[i + 1] as usize;
+        sum + springs + taps(&rows.columns[others.clone()], &rows.weights[others], q, at)
+    }
+
+    #[inline]
+    fn quads(&self, i: usize) -> &[Quad] {
+        let rows = self.rows;
+        &rows.quads[rows.quad_offsets[i] as usize..rows.quad_offsets[i + 1] as usize]
     }
 
     /// `b_i − (Y q)_i` \[N\] with all projections in `pull`.
@@ -86,19 +77,28 @@ impl Vertices<'_> {
     #[inline]
     pub(crate) fn block(&self, i: usize, q: &[Vec3A]) -> Mat3 {
         let rows = self.rows;
-        let mut isotropic = rows.diagonal[i] + self.anchor_weights[i];
-        let (mut diagonal, mut off) = (Vec3A::ZERO, Vec3A::ZERO);
-        for k in rows.offsets[i] as usize..rows.spring_ends[i] as usize {
-            let d = q[rows.columns[k] as usize] - q[i];
-            let squared = d.length_squared().max(TINY * TINY);
-            let stiffness = rows.stiffness[k];
-            let across = (stiffness - rows.pulls[k] / squared.sqrt()).max(0.0);
+        let mut isotropic = Vec4::ZERO;
+        let (mut xx, mut yy, mut zz) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
+        let (mut xy, mut yz, mut zx) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
+        for quad in self.quads(i) {
+            let d = Four::new(&quad.columns, q, q[i]);
+            let squared = d.squared_length();
+            let stiffness = Vec4::from_array(quad.stiffness);
+            let across = (stiffness - Vec4::from_array(quad.pulls) / squared.sqrt()).max(Vec4::ZERO);
             // k (u uᵀ + across (I − u uᵀ)) in place of k I.
             let along = (stiffness - across) / squared;
             isotropic += across - stiffness;
-            diagonal += d * d * along;
-            off += d * Vec3A::new(d.y, d.z, d.x) * along;
+            let (x, y, z) = (d.x * along, d.y * along, d.z * along);
+            xx += x * d.x;
+            yy += y * d.y;
+            zz += z * d.z;
+            xy += x * d.y;
+            yz += y * d.z;
+            zx += z * d.x;
         }
+        let isotropic = rows.diagonal[i] + self.anchor_weights[i] + isotropic.element_sum();
+        let diagonal = Vec3A::new(xx.element_sum(), yy.element_sum(), zz.element_sum());
+        let off = Vec3A::new(xy.element_sum(), yz.element_sum(), zx.element_sum());
         let diagonal = diagonal + isotropic;
         Mat3::from_cols(
             Vec3::new(diagonal.x, off.x, off.z),
@@ -127,12 +127,34 @@ impl Vertices<'_> {
     }
 }
 
-/// Lengths of four vectors, at least [`TINY`].
-#[inline]
-fn lengths(d: &[Vec3A; 4]) -> Vec4 {
-    let squared =
-        Vec4::new(d[0].length_squared(), d[1].length_squared(), d[2].length_squared(), d[3].length_squared());
-    squared.max(Vec4::splat(TINY * TINY)).sqrt()
+/// Four differences of positions, coordinate by coordinate.
+struct Four {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+}
+
+impl Four {
+    #[inline]
+    fn new(columns: &[u32; 4], q: &[Vec3A], at: Vec3A) -> Self {
+        let [a, b, c, d] = columns.map(|j| q[j as usize] - at);
+        Self {
+            x: Vec4::new(a.x, b.x, c.x, d.x),
+            y: Vec4::new(a.y, b.y, c.y, d.y),
+            z: Vec4::new(a.z, b.z, c.z, d.z),
+        }
+    }
+
+    /// At least [`TINY`].
+    #[inline]
+    fn squared_length(&self) -> Vec4 {
+        (self.x * self.x + self.y * self.y + self.z * self.z).max(Vec4::splat(TINY * TINY))
+    }
+
+    #[inline]
+    fn length(&self) -> Vec4 {
+        self.squared_length().sqrt()
+    }
 }
 
 /// `Σ_j −Y_ij (q_j − q_i)`.
