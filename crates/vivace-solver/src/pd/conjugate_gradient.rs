@@ -57,9 +57,11 @@ impl ConjugateGradient {
             Preconditioner::Jacobi => {
                 work.solve(rows, diagonal, limit, residual, |r, z| jacobi(inverse_diagonal, r, z));
             }
-            Preconditioner::SymmetricGaussSeidel => work.solve(rows, diagonal, limit, residual, |r, z| {
-                symmetric_gauss_seidel(rows, inverse_diagonal, r, z);
-            }),
+            Preconditioner::SymmetricGaussSeidel => {
+                work.solve(rows, diagonal, limit, residual, |r, z| {
+                    symmetric_gauss_seidel(rows, inverse_diagonal, r, z);
+                });
+            }
         }
     }
 }
@@ -85,7 +87,9 @@ impl Work {
         let enough = dot(residual, residual) * (limit.tolerance * limit.tolerance);
         let mut k = 0;
         while k < limit.iterations && dot(residual, residual).cmpgt(enough).any() {
-            fill(0..rows.len(), image, |i| diagonal[i] * direction[i] - weighted(rows, i, direction, |_| true));
+            fill(0..rows.len(), image, |i| {
+                diagonal[i] * direction[i] - weighted(rows, i, direction, |_| true)
+            });
             let alpha = ratio(rho, dot(direction, image));
             for (x, d) in solution.iter_mut().zip(&*direction) {
                 *x += alpha * *d;
@@ -187,7 +191,12 @@ pub(crate) mod tests {
     }
 
     /// ‖r − Y δ‖ / ‖r‖, each entry taken from the rows themselves.
-    pub(crate) fn relative_residual(rows: &Rows, anchor_weights: &[f32], r: &[Vec3], solution: &[Vec3]) -> f64 {
+    pub(crate) fn relative_residual(
+        rows: &Rows,
+        anchor_weights: &[f32],
+        r: &[Vec3],
+        solution: &[Vec3],
+    ) -> f64 {
         let (mut left, mut first) = (0.0, 0.0);
         for i in 0..rows.len() {
             let d = f64::from(rows.diagonal[i]) + f64::from(anchor_weights[i]);

@@ -1,1 +1,3 @@
-//! Reference.
+//! Reference answers in `f64`.
+
+pub(crate) mod cholesky;
