@@ -49,3 +49,21 @@ impl Constraint<1, 1> for Attachment {
         *q
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pulls_to_the_target() {
+        let mut pin = Attachment { target: Vec3::ONE, stiffness: 4.0 };
+        assert!(pin.is_linear());
+        assert_eq!(pin.energy(&[Vec3::new(1.0, 1.0, 3.0)]), 8.0);
+        assert_eq!(pin.energy(&[Vec3::ONE]), 0.0);
+        pin.set_target(Vec3::ZERO);
+        let q = [Vec3::new(0.0, 3.0, 4.0)];
+        assert_eq!(pin.pull(0, &pin.residual(&q)), 4.0 * q[0]);
+        assert_eq!(pin.deviation(&q), (5.0, [q[0] / 5.0]));
+        assert_eq!(pin.entry(0, 0), 4.0);
+    }
+}

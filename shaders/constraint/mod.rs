@@ -17,6 +17,9 @@ mod tet_strain;
 mod tet_volume;
 mod triangle_strain;
 
+#[cfg(test)]
+mod tests;
+
 use glam::{Mat3, Vec3};
 
 pub use attachment::Attachment;

@@ -1,37 +1,196 @@
-//! TetVolume.
+//! A tetrahedron that keeps its volume, within a range (Bouaziz et al. 2014, Sec. 5.4).
+//!
+//! A q = F, the deformation gradient (row r of A gives its column r), p = the nearest matrix with a determinant in the range:
+//! W = w/2 ‖F − p‖², w = stiffness × volume at rest. p has the U and V of F = U diag(σ) Vᵀ; its singular values s are those
+//! nearest to σ with s₀ s₁ s₂ = t, where the derivatives of ‖s − σ‖²/2 and of the product are parallel:
+//! s_i (s_i − σ_i) = m for one m.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
-use super::Constraint;
+use super::{Constraint, tet_strain::gradient};
+use crate::mat3::svd;
 
-/// The rest data.
+/// The rest data of a tetrahedron.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct TetVolume {
-    /// Columns of A.
+    /// Columns of A \[1/m\], by particle.
     pub columns: [[f32; 3]; 4],
-    /// Weight.
+    /// w \[J\]: stiffness \[Pa\] × volume at rest \[m³\].
     pub weight: f32,
+    /// The least and the most volume, as fractions of that at rest \[1\].
+    pub range: [f32; 2],
+}
+
+impl TetVolume {
+    /// A tetrahedron of `stiffness` \[Pa\] whose volume keeps within `range` (positive, ascending) of that at `x` \[m\].
+    /// `None` if it is flat.
+    #[must_use]
+    pub fn rest(x: [Vec3; 4], stiffness: f32, range: [f32; 2]) -> Option<Self> {
+        let (columns, weight) = gradient(x, stiffness)?;
+        Some(Self { columns, weight, range })
+    }
+
+    /// The determinant nearest to `det` in the range.
+    #[inline]
+    fn target(&self, det: f32) -> f32 {
+        det.min(self.range[1]).max(self.range[0])
+    }
+}
+
+/// The values nearest to `sigma` (of the order and signs of [`svd`]) with product `target` > 0.
+///
+/// With x = s₂ for a parameter, m = x (x − σ₂), s_i = (σ_i + √(σ_i² + 4m))/2 for the larger two, and the product is to be
+/// `target`: one equation, for Newton's method between bounds.
+fn nearest_with_product(sigma: Vec3, target: f32) -> Vec3 {
+    let edge = target.cbrt();
+    let scale = sigma.x.max(edge);
+    let (sigma, target) = (sigma / scale, (edge / scale).powi(3));
+    let larger = |x: f32| {
+        let m4 = 4.0 * x * (x - sigma.z);
+        let root = |s: f32| (s * s + m4).max(0.0).sqrt();
+        let (r0, r1) = (root(sigma.x), root(sigma.y));
+        (0.5 * (sigma.x + r0), 0.5 * (sigma.y + r1), r0, r1)
+    };
+    // Too much: below σ₂. Too little: s₂ is the least of the three, so at most the cube root.
+    let is_large = sigma.x * sigma.y * sigma.z > target;
+    let (mut low, mut high) = if is_large { (0.0, sigma.z) } else { (sigma.z.max(0.0), edge / scale) };
+    let mut x = if is_large { high } else { 0.5 * (low + high) };
+    for _ in 0..40 {
+        let (s0, s1, r0, r1) = larger(x);
+        let error = s0 * s1 * x - target;
+        if error.abs() <= 2e-7 * target {
+            break;
+        }
+        if error > 0.0 {
+            high = x;
+        } else {
+            low = x;
+        }
+        let slope = s0 * s1 + s0 * s1 * x * (2.0 * x - sigma.z) * (1.0 / (s0 * r0) + 1.0 / (s1 * r1));
+        let next = x - error / slope;
+        // NaN is not between.
+        x = if next > low && next < high { next } else { 0.5 * (low + high) };
+    }
+    let (s0, s1, ..) = larger(x);
+    let s2 = if s0 * s1 > 0.0 { target / (s0 * s1) } else { x };
+    Vec3::new(s0, s1, s2) * scale
 }
 
 impl Constraint<4, 3> for TetVolume {
     const NAME: &'static str = "tet_volume";
+
     #[inline]
     fn weight(&self) -> f32 {
         self.weight
     }
+
     #[inline]
     fn column(&self, slot: usize) -> [f32; 3] {
         self.columns[slot]
     }
+
+    fn project(&self, f: [Vec3; 3]) -> [Vec3; 3] {
+        let det = f[0].cross(f[1]).dot(f[2]);
+        let target = self.target(det);
+        if det == target {
+            return f;
+        }
+        let (u, sigma, v) = svd(Mat3::from_cols(f[0], f[1], f[2]));
+        let p = u * Mat3::from_diagonal(nearest_with_product(sigma, target)) * v.transpose();
+        [p.x_axis, p.y_axis, p.z_axis]
+    }
+
+    /// C = (det F − t)/√3, t the nearest determinant in the range, whose gradients are cross products and need no singular
+    /// values. W = w/2 C² to lowest order near a rotation, where ‖F − p‖² = (det F − t)²/3; further off it is another energy.
+    /// Inside the range C and its gradient are 0.
     #[inline]
-    fn project(&self, aq: [Vec3; 3]) -> [Vec3; 3] {
-        aq
+    fn deviation(&self, q: &[Vec3; 4]) -> (f32, [Vec3; 4]) {
+        const SCALE: f32 = 0.577_350_26;
+        let [x, y, z] = self.apply(q);
+        let cofactor = [y.cross(z), z.cross(x), x.cross(y)];
+        let det = x.dot(cofactor[0]);
+        if det > self.range[0] && det < self.range[1] {
+            return (0.0, [Vec3::ZERO; 4]);
+        }
+        let gradient =
+            self.columns.map(|[a, b, c]| (cofactor[0] * a + cofactor[1] * b + cofactor[2] * c) * SCALE);
+        ((det - self.target(det)) * SCALE, gradient)
     }
 }
 
-impl TetVolume {
-    /// Rest.
-    pub fn rest(_x: [Vec3; 4], _k: f32, _r: [f32; 2]) -> Option<Self> { None }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REST: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+
+    #[test]
+    fn nearest_values_have_the_product_and_are_nearest() {
+        let values = [-0.9, -0.3, 0.0, 1e-3, 0.2, 0.7, 1.0, 1.5, 3.0];
+        for (x, y, z) in values.iter().flat_map(|&x| values.map(|y| values.map(|z| (x, y, z)))).flatten() {
+            if !(x >= y && y >= f32::abs(z) && y >= 0.0) {
+                continue;
+            }
+            for target in [0.3, 1.0, 2.0] {
+                let sigma = Vec3::new(x, y, z);
+                let s = nearest_with_product(sigma, target);
+                assert!(s.min_element() > 0.0, "{sigma} {target}: {s}");
+                assert!((s.element_product() - target).abs() < 2e-6 * target, "{sigma} {target}: {s}");
+                // No point of the set around it is nearer.
+                for (a, b) in
+                    [(0.01, 0.0), (-0.01, 0.0), (0.0, 0.01), (0.0, -0.01), (0.01, -0.01), (-0.01, 0.01)]
+                {
+                    let (s0, s1) = (s.x * (1.0 + a), s.y * (1.0 + b));
+                    let other = Vec3::new(s0, s1, target / (s0 * s1));
+                    assert!(
+                        other.distance(sigma) > s.distance(sigma) - 1e-5,
+                        "{sigma} {target}: {s} {other}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn inside_the_range_nothing_is_projected() {
+        let tet = TetVolume::rest(REST, 6.0, [0.5, 2.0]).unwrap();
+        let scaled = |volume: f32| REST.map(|x| x * volume.cbrt());
+        assert_eq!(tet.energy(&scaled(1.5)), 0.0);
+        assert_eq!(tet.deviation(&scaled(1.5)), (0.0, [Vec3::ZERO; 4]));
+        for volume in [0.4_f32, 2.2] {
+            let bound = if volume < 1.0 { 0.5_f32 } else { 2.0 };
+            let expected = 0.5 * 3.0 * (volume.cbrt() - bound.cbrt()).powi(2);
+            assert!((tet.energy(&scaled(volume)) - expected).abs() < 1e-5, "{volume}");
+            let (c, _) = tet.deviation(&scaled(volume));
+            assert!((c * 3.0_f32.sqrt() - (volume - bound)).abs() < 1e-5, "{volume}");
+        }
+    }
+
+    #[test]
+    fn near_rest_the_deviation_has_the_energy() {
+        let tet = TetVolume::rest(REST, 6.0, [1.0, 1.0]).unwrap();
+        for stretch in [Vec3::new(1.02, 1.0, 1.01), Vec3::new(0.99, 1.0, 0.98), Vec3::splat(1.01)] {
+            let q = REST.map(|x| x * stretch);
+            let (energy, (c, _)) = (tet.energy(&q), tet.deviation(&q));
+            assert!((energy - 0.5 * tet.weight * c * c).abs() < 0.05 * energy, "{stretch}: {energy} {c}");
+        }
+    }
+
+    #[test]
+    fn finite_at_every_size() {
+        let tet = TetVolume::rest(REST, 6.0, [1.0, 1.0]).unwrap();
+        for scale in [0.0, 1e-38, 1e-20, 1e-6, 1e6, 1e12, 1e20, 1e36] {
+            for f in [
+                [Vec3::X, Vec3::Y, Vec3::Z],
+                [Vec3::X, Vec3::Y, -Vec3::Z],
+                [Vec3::ONE; 3],
+                [Vec3::X, Vec3::Y, Vec3::ONE],
+            ] {
+                let p = tet.project(f.map(|f| f * scale));
+                assert!(p.iter().all(|p| p.is_finite()), "{scale} {f:?} {p:?}");
+            }
+        }
+    }
 }
