@@ -147,11 +147,11 @@ fn polar_lanes(f: &mut [[f32; LANES]; 9]) -> [f32; LANES] {
 fn polar(f: [f32; 9]) -> ([f32; 9], bool) {
     let (x, is_regular) = newton_scaled(f);
     let (x, _) = newton_scaled(x);
-    let (x, _) = newton(x);
-    let (y, det) = newton(x);
+    let x = newton(x);
+    let y = newton(x);
     let change = sum_of_squares(std::array::from_fn(|i| y[i] - x[i]));
-    // `change` bounds the error left; the determinant keeps the sign that it has in F. NaN fails.
-    (y, (change < 1e-6) & (det > 0.5) & is_regular)
+    // `change` bounds the error left. NaN, to which an inverted F has led, fails.
+    (y, (change < 1e-6) & is_regular)
 }
 
 /// One scaled step of [`polar`], and whether X is not nearly singular: an inverse loses as many digits as its condition has.
@@ -170,13 +170,13 @@ fn newton_scaled(x: [f32; 9]) -> ([f32; 9], bool) {
     (std::array::from_fn(|i| a * x[i] + b * c[i]), is_regular)
 }
 
-/// One step of [`polar`] without scaling, and det X.
+/// One step of [`polar`] without scaling.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the loop over lanes vectorizes only if this is inlined")]
-fn newton(x: [f32; 9]) -> ([f32; 9], f32) {
+fn newton(x: [f32; 9]) -> [f32; 9] {
     let (c, det) = cofactor(x);
     let b = 0.5 / det;
-    (std::array::from_fn(|i| 0.5 * x[i] + b * c[i]), det)
+    std::array::from_fn(|i| 0.5 * x[i] + b * c[i])
 }
 
 /// det X X⁻ᵀ, and det X.

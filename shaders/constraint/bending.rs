@@ -7,9 +7,9 @@
 //! W = k/2 · 3/(A₀ + A₁) · (|K q| − n)²
 //! ```
 //!
-//! For triangles that only bend, |K q| is the length of the edge times 2 sin(θ/2), θ the angle between the normals, up to a
-//! factor of shape. n is its value at rest: 0 for flat, and then W is quadratic. For a curved rest n > 0 has the length of K q
-//! only, not its direction, so W is invariant under rotation; nor does W know which way the hinge is folded.
+//! For triangles that only bend, |K q| is the length of the edge times 2 sin(θ/2), θ the angle between the normals. n is its
+//! value at rest: 0 for flat, and then W is quadratic. For a curved rest n > 0 has the length of K q only, not its direction, so
+//! W is invariant under rotation; nor does W know which way the hinge is folded.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, DVec4, Mat3, Vec3};
