@@ -2,7 +2,7 @@
 
 use crate::Stages;
 
-/// Compares the objective at 1, 2, 4, 8, 16, 32, … iterations with what it was; takes back what raised it, and eases the
+/// Compares the objective at 8, 16, 32, 48, … iterations and at the end with what it was; takes back what raised it, and eases the
 /// acceleration. Plain relaxations never raise it, so easing ends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Safeguard {
@@ -12,6 +12,8 @@ pub(crate) struct Safeguard {
 
 /// Rounding of the objective, relative: a rise below it is none.
 const ROUNDING: f64 = 1e-6;
+/// Iterations before the first check.
+const FIRST: u32 = 8;
 /// Most iterations between two checks.
 const LONGEST: u32 = 16;
 
@@ -19,7 +21,7 @@ impl Safeguard {
     /// At the start of a time step, before its first iteration.
     pub(crate) fn begin(stages: &mut impl Stages) -> Self {
         stages.save();
-        Self { lowest: stages.objective(), next_check: 1 }
+        Self { lowest: stages.objective(), next_check: FIRST }
     }
 
     /// After iteration `k` (from 1): whether it is time to look.

@@ -41,7 +41,7 @@ pub(crate) fn solve(
     report: &mut StepReport,
 ) {
     let most = budget.iterations.unwrap_or(u32::MAX);
-    let mut schedule = Schedule::new(solver.relaxation, ease.level);
+    let mut schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
     let mut safeguard = (solver.safeguard && most > 0 && schedule.is_accelerated())
         .then(|| Safeguard::begin(stages));
     let solve_start = Instant::now();
@@ -63,7 +63,7 @@ pub(crate) fn solve(
         {
             backoffs += 1;
             ease.more();
-            schedule = Schedule::new(solver.relaxation, ease.level);
+            schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
             continue;
         }
         if let Some(tolerance) = budget.tolerance {

@@ -14,20 +14,23 @@ pub(crate) struct Schedule {
     weights: Weights,
     /// Iterations done since the start, or since acceleration was lowered.
     k: u32,
+    /// Sweeps before over-relaxation begins.
+    delay: u32,
 }
 
 impl Schedule {
     /// Before the first iteration. `ease` halves the acceleration so many times.
-    pub(crate) fn new(relaxation: Relaxation, ease: u32) -> Self {
+    pub(crate) fn new(relaxation: Relaxation, ease: u32, is_safe: bool) -> Self {
+        let least_delay = if is_safe { SAFE_DELAY } else { 0 };
         let relaxation = eased(relaxation, ease);
         let (rho, delay) = match relaxation {
             Relaxation::Chebyshev { rho, delay, .. } | Relaxation::ChebyshevGaussSeidel { rho, delay } => {
-                (rho, delay)
+                (rho, delay.max(least_delay))
             }
-            Relaxation::SymmetricChebyshev { rho } => (rho, 0),
+            Relaxation::SymmetricChebyshev { rho } => (rho, least_delay),
             _ => (0.0, 0),
         };
-        Self { relaxation, weights: Weights::new(rho, delay), k: 0 }
+        Self { relaxation, weights: Weights::new(rho, delay), k: 0, delay: least_delay }
     }
 
     /// Whether safeguarding can help: plain iterations never raise the objective.
@@ -53,7 +56,9 @@ impl Schedule {
                 let weight = self.weights.next();
                 chebyshev::accelerated(stages, weight, |stages| stages.relax_all(gamma));
             }
-            Relaxation::GaussSeidel { omega, base: Base::Latest } => gauss_seidel::forward(stages, omega),
+            Relaxation::GaussSeidel { omega, base: Base::Latest } => {
+                gauss_seidel::forward(stages, self.ramped(omega));
+            }
             Relaxation::GaussSeidel { omega, base: Base::PreviousInPlace } => {
                 gauss_seidel::from_previous(stages, if self.k == 0 { 1.0 } else { omega });
             }
@@ -69,7 +74,7 @@ impl Schedule {
                 let weight = self.weights.next();
                 chebyshev::accelerated(stages, weight, |stages| gauss_seidel::forward(stages, 1.0));
             }
-            Relaxation::Lexicographic { omega } => stages.relax_in_order(omega),
+            Relaxation::Lexicographic { omega } => stages.relax_in_order(self.ramped(omega)),
             Relaxation::ConjugateGradient { preconditioner, inner } => {
                 stages.solve_by_conjugate_gradient(preconditioner, inner);
             }
@@ -77,7 +82,15 @@ impl Schedule {
         }
         self.k += 1;
     }
+
+    fn ramped(&self, omega: f32) -> f32 {
+        if self.k < self.delay { omega.min(1.0) } else { omega }
+    }
 }
+
+/// Under the safeguard, acceleration waits for so many iterations. A step of a few accelerated ones lowers its own objective and
+/// still feeds the velocity: animations with 1 to 5 iterations a step blew up for every ω from 1.5, whatever the objective said.
+const SAFE_DELAY: u32 = 5;
 
 /// The relaxation with its acceleration halved `ease` times: ω towards 1, ρ away from 1.
 fn eased(relaxation: Relaxation, ease: u32) -> Relaxation {
