@@ -20,7 +20,7 @@ mod triangle_strain;
 #[cfg(test)]
 mod tests;
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec3A};
 
 pub use attachment::Attachment;
 pub use bending::Bending;
@@ -30,6 +30,17 @@ pub use tet_volume::TetVolume;
 pub use triangle_strain::TriangleStrain;
 
 use crate::Element;
+
+/// What a projection of Position Based Dynamics needs beside the constraint.
+#[derive(Debug, Clone, Copy)]
+pub struct Xpbd<'a> {
+    /// w \[1/kg\], one per particle; 0 where pinned.
+    pub inverse_masses: &'a [f32],
+    /// h² \[s²\].
+    pub squared_h: f32,
+    /// Over-relaxation \[1\].
+    pub omega: f32,
+}
 
 /// A constraint on `N` particles with `R` rows. A value of the type is the rest data of one constraint.
 pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug {
@@ -128,5 +139,37 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
             sum * scale
         });
         (c, gradient)
+    }
+
+    /// One projection of XPBD (Macklin, Müller, Chentanez 2016, Eq. 18), `Δλ = ω (−C − α̃ λ) / (Σ w |∇C|² + α̃)`: adds Δλ to
+    /// `lambda`, returns by how much each particle moves \[m\].
+    #[inline]
+    fn correct(&self, particles: &[u32; N], xpbd: &Xpbd<'_>, q: &[Vec3A], lambda: &mut f32) -> [Vec3A; N] {
+        let (c, gradient) = self.deviation(&particles.map(|p| q[p as usize].into()));
+        let w = particles.map(|p| xpbd.inverse_masses[p as usize]);
+        let compliance = 1.0 / (self.weight() * xpbd.squared_h);
+        let mut denominator = compliance;
+        for (gradient, w) in gradient.iter().zip(&w) {
+            denominator += w * gradient.length_squared();
+        }
+        let step = xpbd.omega * (-c - compliance * *lambda) / denominator;
+        *lambda += step;
+        std::array::from_fn(|slot| Vec3A::from(gradient[slot]) * (w[slot] * step))
+    }
+
+    /// [`Constraint::correct`] for constraints that share no free particle, applied.
+    fn correct_all(
+        rest: &[Self],
+        particles: &[[u32; N]],
+        xpbd: &Xpbd<'_>,
+        q: &mut [Vec3A],
+        lambdas: &mut [f32],
+    ) {
+        for ((rest, particles), lambda) in rest.iter().zip(particles).zip(lambdas) {
+            let moves = rest.correct(particles, xpbd, q, lambda);
+            for (&p, step) in particles.iter().zip(moves) {
+                q[p as usize] += step;
+            }
+        }
     }
 }

@@ -3,9 +3,9 @@
 //! A q = q_1 − q_0, p = its direction times the rest length: W = k/2 (|q_1 − q_0| − l)².
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec3A, Vec4};
 
-use super::Constraint;
+use super::{Constraint, Xpbd};
 
 /// The rest data of a spring.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -60,7 +60,62 @@ impl Constraint<2, 1> for Spring {
         let u = if length > 0.0 { d / length } else { Vec3::ZERO };
         (length - self.rest, [-u, u])
     }
+
+    /// |∇C| = 1 at both ends. The same arithmetic as one lane of [`Spring::correct_all`].
+    #[inline]
+    fn correct(&self, particles: &[u32; 2], xpbd: &Xpbd<'_>, q: &[Vec3A], lambda: &mut f32) -> [Vec3A; 2] {
+        let [a, b] = particles.map(|p| p as usize);
+        let d = q[b] - q[a];
+        let w = [xpbd.inverse_masses[a], xpbd.inverse_masses[b]];
+        let length = (d.x * d.x + d.y * d.y + d.z * d.z).max(TINY * TINY).sqrt();
+        let compliance = 1.0 / (self.stiffness * xpbd.squared_h);
+        let step = xpbd.omega * (self.rest - length - compliance * *lambda) / (w[0] + w[1] + compliance);
+        *lambda += step;
+        let scaled = step / length;
+        [d * -(scaled * w[0]), d * (scaled * w[1])]
+    }
+
+    /// Four at a time: one square root and three divisions for all of them.
+    fn correct_all(
+        rest: &[Self],
+        particles: &[[u32; 2]],
+        xpbd: &Xpbd<'_>,
+        q: &mut [Vec3A],
+        lambdas: &mut [f32],
+    ) {
+        let ((rest4, rest1), (particles4, particles1)) = (rest.as_chunks::<4>(), particles.as_chunks::<4>());
+        let (lambdas4, lambdas1) = lambdas.as_chunks_mut::<4>();
+        for ((rest, particles), lambdas) in rest4.iter().zip(particles4).zip(lambdas4) {
+            let d = particles.map(|[a, b]| q[b as usize] - q[a as usize]);
+            let w = |end: usize| Vec4::from_array(particles.map(|p| xpbd.inverse_masses[p[end] as usize]));
+            let (w0, w1) = (w(0), w(1));
+            let x = Vec4::from_array(d.map(|d| d.x));
+            let y = Vec4::from_array(d.map(|d| d.y));
+            let z = Vec4::from_array(d.map(|d| d.z));
+            let length = (x * x + y * y + z * z).max(Vec4::splat(TINY * TINY)).sqrt();
+            let stiffness = Vec4::from_array(rest.map(|rest| rest.stiffness));
+            let compliance = Vec4::ONE / (stiffness * xpbd.squared_h);
+            let lambda = Vec4::from_array(*lambdas);
+            let stretch = Vec4::from_array(rest.map(|rest| rest.rest)) - length - compliance * lambda;
+            let step = xpbd.omega * stretch / (w0 + w1 + compliance);
+            *lambdas = (lambda + step).to_array();
+            let scaled = step / length;
+            let (ends0, ends1) = ((scaled * w0).to_array(), (scaled * w1).to_array());
+            for (lane, [a, b]) in particles.iter().enumerate() {
+                q[*a as usize] += d[lane] * -ends0[lane];
+                q[*b as usize] += d[lane] * ends1[lane];
+            }
+        }
+        for ((rest, &[a, b]), lambda) in rest1.iter().zip(particles1).zip(lambdas1) {
+            let moves = rest.correct(&[a, b], xpbd, q, lambda);
+            q[a as usize] += moves[0];
+            q[b as usize] += moves[1];
+        }
+    }
 }
+
+/// Lengths below this are 0 \[m\]; its square is a normal number.
+const TINY: f32 = 1e-18;
 
 #[cfg(test)]
 mod tests {

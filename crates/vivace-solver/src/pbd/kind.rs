@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
-use vivace_kernels::constraint::Constraint;
+use vivace_kernels::constraint::{Constraint, Xpbd};
 use vivace_model::{KindVisitor, Model, Store};
 
 use super::coloring::color_constraints;
@@ -41,7 +41,7 @@ struct KindOf<C, const N: usize, const R: usize> {
     /// Multipliers \[N s²\].
     lambdas: Vec<f32>,
     h: f32,
-    moves: Vec<[Vec3; N]>,
+    moves: Vec<[Vec3A; N]>,
 }
 
 /// Collects the kinds of a model.
@@ -81,31 +81,9 @@ impl KindVisitor for Kinds {
             place,
             lambdas: vec![0.0; store.len()],
             h: 1.0,
-            moves: vec![[Vec3::ZERO; N]; store.len()],
+            moves: vec![[Vec3A::ZERO; N]; store.len()],
         }));
     }
-}
-
-/// One projection of XPBD (Macklin, Müller, Chentanez 2016, Eq. 18): adds to λ, returns by how much each particle moves.
-#[inline]
-fn project<C: Constraint<N, R>, const N: usize, const R: usize>(
-    rest: &C,
-    particles: &[u32; N],
-    squared_h: f32,
-    omega: f32,
-    w: &[f32],
-    q: &[Vec3A],
-    lambda: &mut f32,
-) -> [Vec3; N] {
-    let (c, gradient) = rest.deviation(&particles.map(|p| q[p as usize].into()));
-    let compliance = 1.0 / (rest.weight() * squared_h);
-    let mut denominator = compliance;
-    for (gradient, &p) in gradient.iter().zip(particles) {
-        denominator += w[p as usize] * gradient.length_squared();
-    }
-    let step = omega * (-c - compliance * *lambda) / denominator;
-    *lambda += step;
-    std::array::from_fn(|slot| gradient[slot] * (w[particles[slot] as usize] * step))
 }
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, R> {
@@ -116,29 +94,20 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
 
     fn relax_color(&mut self, color: u32, omega: f32, w: &[f32], q: &mut [Vec3A]) {
         let range = self.colors[color as usize].clone();
-        let squared_h = self.h * self.h;
-        let constraints = self.particles[range.clone()].iter().zip(&self.rest[range.clone()]);
-        if rayon::current_num_threads() == 1 || range.len() < 2 * GRAIN {
-            for ((particles, rest), lambda) in constraints.zip(&mut self.lambdas[range]) {
-                let moves = project(rest, particles, squared_h, omega, w, q, lambda);
-                for (&p, step) in particles.iter().zip(moves) {
-                    q[p as usize] += Vec3A::from(step);
-                }
-            }
-            return;
-        }
-        let moves = &mut self.moves[range.clone()];
+        let xpbd = Xpbd { inverse_masses: w, squared_h: self.h * self.h, omega };
+        let (rest, particles) = (&self.rest[range.clone()], &self.particles[range.clone()]);
         let lambdas = &mut self.lambdas[range.clone()];
-        let all = self.particles[range.clone()].par_iter().zip(&self.rest[range]).zip(lambdas).zip(&mut *moves);
-        let positions = &*q;
-        all.with_min_len(GRAIN).for_each(|(((particles, rest), lambda), moves)| {
-            *moves = project(rest, particles, squared_h, omega, w, positions, lambda);
-        });
-        for ((particles, _), moves) in constraints.zip(moves) {
-            for (&p, step) in particles.iter().zip(moves) {
-                q[p as usize] += Vec3A::from(*step);
-            }
+        if rayon::current_num_threads() == 1 || range.len() < 2 * GRAIN {
+            return C::correct_all(rest, particles, &xpbd, q, lambdas);
         }
+        // Found in parallel, then applied: the host has no way to write scattered elements from many threads.
+        let moves = &mut self.moves[range];
+        let positions = &*q;
+        let all = particles.par_iter().zip(rest).zip(lambdas).zip(&mut *moves).with_min_len(GRAIN);
+        all.for_each(|(((particles, rest), lambda), moves)| {
+            *moves = rest.correct(particles, &xpbd, positions, lambda);
+        });
+        scatter(particles, moves, q);
     }
 
     fn relax_all(&mut self, omega: f32, w: &[f32], counts: &[f32], q: &[Vec3A], sums: &mut [Vec3A]) {
@@ -146,24 +115,17 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
         let moves = self.moves.par_iter_mut().zip(&mut self.lambdas).zip(&self.particles).zip(&self.rest);
         moves.with_min_len(GRAIN).for_each(|(((moves, lambda), particles), rest)| {
             let busiest = particles.iter().map(|&p| counts[p as usize]).fold(1.0, f32::max);
-            *moves = project(rest, particles, squared_h, omega / busiest, w, q, lambda);
+            let xpbd = Xpbd { inverse_masses: w, squared_h, omega: omega / busiest };
+            *moves = rest.correct(particles, &xpbd, q, lambda);
         });
-        for (particles, moves) in self.particles.iter().zip(&self.moves) {
-            for (&p, step) in particles.iter().zip(moves) {
-                sums[p as usize] += Vec3A::from(*step);
-            }
-        }
+        scatter(&self.particles, &self.moves, sums);
     }
 
     fn relax_in_order(&mut self, omega: f32, w: &[f32], q: &mut [Vec3A]) {
-        let squared_h = self.h * self.h;
+        let xpbd = Xpbd { inverse_masses: w, squared_h: self.h * self.h, omega };
         for &k in &self.place {
-            let k = k as usize;
-            let moves =
-                project(&self.rest[k], &self.particles[k], squared_h, omega, w, q, &mut self.lambdas[k]);
-            for (&p, step) in self.particles[k].iter().zip(moves) {
-                q[p as usize] += Vec3A::from(step);
-            }
+            let one = k as usize..k as usize + 1;
+            C::correct_all(&self.rest[one.clone()], &self.particles[one.clone()], &xpbd, q, &mut self.lambdas[one]);
         }
     }
 
@@ -183,6 +145,15 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
     fn set_target(&mut self, idx: usize, target: Vec3) {
         if let Some(&k) = self.place.get(idx) {
             self.rest[k as usize].set_target(target);
+        }
+    }
+}
+
+/// Adds to each constraint's particles what it moves them by, in order.
+fn scatter<const N: usize>(particles: &[[u32; N]], moves: &[[Vec3A; N]], q: &mut [Vec3A]) {
+    for (particles, moves) in particles.iter().zip(moves) {
+        for (&p, step) in particles.iter().zip(moves) {
+            q[p as usize] += *step;
         }
     }
 }
