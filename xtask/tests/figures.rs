@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use vivace_mesh::{ball, obj, vtk};
-use xtask::figures::{self, Options, Sizes};
+use xtask::figures::{self, Options, Sizes, simulation};
 use xtask::report::Progress;
 
 fn tiny() -> Sizes {
@@ -17,6 +17,7 @@ fn tiny() -> Sizes {
         seeds: 2,
         ablation_seeds: 2,
         seconds: 0.0,
+        simulation: simulation::Sizes { vertices: 100, n_frames: 4, every: 2, most_sweeps: 8, still: 60 },
     }
 }
 
@@ -42,7 +43,7 @@ fn columns_are_documented(csv: &str, source: &str) {
 fn both_figures_are_made() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path();
-    let page = figures::reproduce(&options(out, Vec::new(), None), &mut Progress::silent()).unwrap();
+    let page = figures::reproduce(&options(out, vec![2, 3], None), &mut Progress::silent()).unwrap();
     assert_eq!(page, out.join("report.html"));
 
     let html = read(out, "report.html");
@@ -79,6 +80,28 @@ fn both_figures_are_made() {
 
 fn head(source: &str) -> String {
     source.lines().take_while(|line| line.starts_with("//!")).map(|line| format!("{line}\n")).collect()
+}
+
+#[test]
+fn animations_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    figures::reproduce(&options(out, vec![4, 5], None), &mut Progress::silent()).unwrap();
+    let n_methods = simulation::methods::methods().len();
+    let source = include_str!("../src/figures/simulation/mod.rs").replace("figN", "fig4");
+    for (id, n_limits) in [("fig4", 4), ("fig5", 6)] {
+        for end in ["", "-runs", "-frame", "-line7"] {
+            columns_are_documented(&read(out, &format!("{id}{end}.csv")), &source);
+        }
+        assert_eq!(read(out, &format!("{id}-runs.csv")).lines().count(), 1 + n_limits * n_methods);
+        for end in ["", "-2", "-3", "-4"] {
+            assert!(out.join(format!("{id}{end}.png")).metadata().unwrap().len() > 1000);
+        }
+    }
+    let html = read(out, "report.html");
+    assert!(html.contains("STAND-IN for the Armadillo") && html.contains("In short."));
+    let report: serde_json::Value = serde_json::from_str(&read(out, "report.json")).unwrap();
+    assert!(report["figures"][1]["claims"].as_array().unwrap().len() >= 8);
 }
 
 #[test]
@@ -135,7 +158,7 @@ fn what_cannot_be_made_is_said() {
         let options = options(&folder.path().join("out"), figures, meshes);
         figures::reproduce(&options, &mut Progress::silent()).unwrap_err().to_string()
     };
-    assert!(fail(vec![4], None).contains("there are 2 and 3"));
+    assert!(fail(vec![11], None).contains("there are 2 to 5"));
     assert!(fail(vec![2], Some(folder.path().join("none"))).contains("--meshes"));
     assert!(fail(vec![2], Some(folder.path().to_owned())).contains("bunny"));
 }

@@ -6,19 +6,19 @@ use super::{CommandError, output};
 use crate::figures::{self, Options, Sizes};
 use crate::report::Progress;
 
-/// Make the paper's coloring figures anew and write a report
+/// Make the paper's figures anew and write a report
 ///
-/// Without --quick or --full it takes a few minutes. The report is one page that
+/// Without --quick or --full it takes ten minutes or so. The report is one page that
 /// needs no other file, beside the figures (SVG, PNG) and the data (CSV, JSON).
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Small sizes: within 3 minutes on 2 cores
+    /// Small sizes: within 5 minutes on 2 cores
     #[arg(long, conflicts_with = "full")]
     quick: bool,
     /// Up to a million vertices
     #[arg(long)]
     full: bool,
-    /// Make this figure alone (2 or 3); may be given twice
+    /// Make this figure alone (2 to 5); may be given more than once
     #[arg(long, value_name = "N")]
     figure: Vec<u32>,
     /// Folder with your own bunny and armadillo: *.obj (closed surfaces) and *.vtk

@@ -137,6 +137,18 @@ impl Families {
         )
     }
 
+    /// Tetrahedra of about `n_vertices` that fill the armadillo or its stand-in, and where they come from.
+    ///
+    /// # Errors
+    /// What the generators refuse.
+    pub fn armadillo_mesh(&self, n_vertices: usize) -> Result<(TetMesh, String), FigureError> {
+        match &self.armadillo.shape {
+            Some(shape) => Ok((stuffed(shape, n_vertices, self.seed)?, self.armadillo.origin.clone())),
+            // Only volume meshes whose boundary does not close.
+            None => Self::stand_ins(self.seed)?.armadillo_mesh(n_vertices),
+        }
+    }
+
     /// A mesh of each family of about `n_vertices`; made at the same time on the threads of the pool it is called in.
     ///
     /// # Errors
@@ -174,20 +186,24 @@ impl Volume {
         let nearest = self.tets.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
         match (nearest, &self.shape) {
             (Some(model), shape) if away(model) < NEAR.ln() || shape.is_none() => Ok(model.clone()),
-            (_, Some((source, shape))) => {
+            (_, Some(shape)) => {
                 let started = Instant::now();
-                let shape: &dyn SignedDistance = match shape {
-                    Shape::Blend(blend) => blend,
-                    Shape::Surface(surface) => surface.as_ref(),
-                };
-                let stuffing = Stuffing::with_about_vertices(n_vertices);
-                let irregularity = Irregularity { seed, ..Irregularity::default() };
-                let (mesh, _) = stuffing.with_irregularity(irregularity).fill(shape)?;
-                Model::of_tets(&mesh, format!("{source} (stuffed)"), started)
+                Model::of_tets(&stuffed(shape, n_vertices, seed)?, format!("{} (stuffed)", shape.0), started)
             }
             (_, None) => Err(FigureError::Mesh(MeshError::Empty { what: "meshes of a family" })),
         }
     }
+}
+
+/// The shape, filled with about `n_vertices`.
+fn stuffed((_, shape): &(String, Shape), n_vertices: usize, seed: u64) -> Result<TetMesh, MeshError> {
+    let shape: &dyn SignedDistance = match shape {
+        Shape::Blend(blend) => blend,
+        Shape::Surface(surface) => surface.as_ref(),
+    };
+    let stuffing = Stuffing::with_about_vertices(n_vertices);
+    let irregularity = Irregularity { seed, ..Irregularity::default() };
+    Ok(stuffing.with_irregularity(irregularity).fill(shape)?.0)
 }
 
 impl Model {

@@ -7,6 +7,7 @@ pub mod fig2;
 pub mod fig3;
 mod fig3_charts;
 pub mod measure;
+pub mod simulation;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -15,6 +16,8 @@ use rayon::ThreadPool;
 use vivace_coloring::Violation;
 use vivace_graph::GraphError;
 use vivace_mesh::MeshError;
+use vivace_model::ModelError;
+use vivace_solver::SolverError;
 
 use crate::report::{Figure, Progress, Report, ReportError, RunInfo};
 use families::Families;
@@ -32,6 +35,12 @@ pub enum FigureError {
     /// A graph could not be made.
     #[error(transparent)]
     Graph(#[from] GraphError),
+    /// A model could not be made.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A step could not be made.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
     /// A coloring is wrong.
     #[error(
         "{method} colored a graph wrongly: {violation}; please report this, with the command and the seed"
@@ -60,7 +69,7 @@ pub enum FigureError {
         folder: PathBuf,
     },
     /// There is no such figure.
-    #[error("there is no figure {wanted} here; there are 2 and 3")]
+    #[error("there is no figure {wanted} here; there are 2 to 5")]
     NoFigure {
         /// The number asked for.
         wanted: u32,
@@ -92,10 +101,12 @@ pub struct Sizes {
     pub ablation_seeds: u32,
     /// Time for the colorings of one graph \[s\].
     pub seconds: f64,
+    /// Scenes of figures 4 and 5.
+    pub simulation: simulation::Sizes,
 }
 
 impl Sizes {
-    /// Ends within 3 minutes on 2 cores.
+    /// Ends within 5 minutes on 2 cores.
     pub fn quick() -> Self {
         Self {
             flag: "--quick",
@@ -105,10 +116,11 @@ impl Sizes {
             seeds: 30,
             ablation_seeds: 7,
             seconds: 5.0,
+            simulation: simulation::Sizes::quick(),
         }
     }
 
-    /// A few minutes.
+    /// Ten minutes or so.
     pub fn normal() -> Self {
         Self {
             flag: "",
@@ -116,6 +128,7 @@ impl Sizes {
             ablation: 100_000,
             ablation_seeds: 9,
             seconds: 10.0,
+            simulation: simulation::Sizes::normal(),
             ..Self::quick()
         }
     }
@@ -127,6 +140,7 @@ impl Sizes {
             fig3: vec![1_000, 3_000, 6_000, 10_000, 30_000, 100_000, 300_000, 1_000_000],
             ablation_seeds: 15,
             seconds: 40.0,
+            simulation: simulation::Sizes::full(),
             ..Self::normal()
         }
     }
@@ -167,7 +181,7 @@ pub struct Context<'a> {
     pub machine: String,
 }
 
-const ALL: [u32; 2] = [2, 3];
+const ALL: [u32; 4] = [2, 3, 4, 5];
 
 impl Options {
     /// The command of this run; for one figure alone where `figure` says so.
@@ -223,14 +237,14 @@ pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, 
         }
     };
     let info = RunInfo::new(
-        "Vivace: the paper\u{2019}s coloring figures, measured anew",
+        "Vivace: the paper\u{2019}s figures, measured anew",
         &options.command(None),
         options.seed,
         &options.source,
     );
     let machine = format!("{}, {n_threads} threads", info.machine.cpu);
     let info = info
-        .paragraph("Figures 2 and 3 of \u{201c}Vivace: a practical Gauss-Seidel method for stable soft body dynamics\u{201d} (Fratarcangeli, Tibaldo, Pellacini, SIGGRAPH Asia 2016), from our own colorings. The paper prints no numbers with these figures: ours are new measurements, and each sentence of the paper that claims a result stands beside what was found.")
+        .paragraph("Figures 2 to 5 of \u{201c}Vivace: a practical Gauss-Seidel method for stable soft body dynamics\u{201d} (Fratarcangeli, Tibaldo, Pellacini, SIGGRAPH Asia 2016), from our own colorings and simulations. The paper prints no numbers with these figures: ours are new measurements, and each sentence of the paper that claims a result stands beside what was found.")
         .paragraph("Times are of this machine\u{2019}s CPU. The paper\u{2019}s are of a GPU, where all vertices act at once: for that, look at rounds and visits, which are the same on every machine.")
         .option("Threads that color", n_threads)
         .option("Sizes", if options.sizes.flag.is_empty() { "default" } else { options.sizes.flag });
@@ -247,7 +261,9 @@ pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, 
         let command = options.command(Some(number));
         let figure: Figure = match number {
             2 => fig2::make(&mut context, &command)?,
-            _ => fig3::make(&mut context, &command)?,
+            3 => fig3::make(&mut context, &command)?,
+            4 => simulation::fig4::make(&mut context, &command)?,
+            _ => simulation::fig5::make(&mut context, &command)?,
         };
         report.add(figure)?;
     }

@@ -1,0 +1,115 @@
+//! The methods that are compared, in one place.
+
+use vivace_solver::{Base, Framework, LocalStep, Relaxation, Solver, VertexSolve};
+
+use crate::report::Look;
+
+/// A solver with a name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Method {
+    /// As it stands in legends and data.
+    pub name: &'static str,
+    /// What it does.
+    pub solver: Solver,
+    /// Its look in every chart.
+    pub look: Look,
+    /// Sweeps of an iteration.
+    pub sweeps: u32,
+}
+
+/// Jacobi, as the paper compares with.
+pub const JACOBI: &str = "Jacobi 2/3";
+/// Wang's method, with his own settings.
+pub const WANG: &str = "Chebyshev-Jacobi (Wang)";
+/// Plain colored Gauss-Seidel.
+pub const PLAIN: &str = "Gauss-Seidel";
+/// The paper's own setting.
+pub const PAPER: &str = "SOR 1.9";
+/// A milder setting.
+pub const MILD: &str = "SOR 1.7";
+/// The library's default.
+pub const SHIPPED: &str = "SOR 1.7, safe";
+/// The paper's setting under the safeguard.
+pub const PAPER_SAFE: &str = "SOR 1.9, safe";
+/// Prefactored global step.
+pub const DIRECT: &str = "Direct";
+
+fn method(
+    name: &'static str,
+    relaxation: Relaxation,
+    safeguard: bool,
+    look: (usize, usize, usize),
+) -> Method {
+    let solver = Solver { relaxation, safeguard, ..Solver::default() };
+    let sweeps = if matches!(relaxation, Relaxation::SymmetricChebyshev { .. }) { 2 } else { 1 };
+    Method { name, solver, look: Look { color: look.0, marker: look.1, dash: look.2 }, sweeps }
+}
+
+/// Successive over-relaxation from the latest positions.
+pub fn sor(omega: f32) -> Relaxation {
+    Relaxation::GaussSeidel { omega, base: Base::Latest }
+}
+
+/// The methods of figures 4 to 7: the paper's own do exactly what they are told, ours also under the safeguard.
+pub fn methods() -> Vec<Method> {
+    let wang = Relaxation::Chebyshev { rho: 0.9992, gamma: 0.9, delay: 10 };
+    let swept = Relaxation::ChebyshevGaussSeidel { rho: 0.99, delay: 5 };
+    let mut block = method("3x3 blocks, SOR 1.7, safe", sor(1.7), true, (6, 2, 2));
+    block.solver.framework =
+        Framework::ProjectiveDynamics { local: LocalStep::Fused, vertex: VertexSolve::Block };
+    vec![
+        method(JACOBI, Relaxation::Jacobi { omega: 2.0 / 3.0 }, false, (0, 0, 0)),
+        method(WANG, wang, false, (2, 2, 0)),
+        method(PLAIN, sor(1.0), false, (5, 4, 1)),
+        method(MILD, sor(1.7), false, (4, 3, 1)),
+        method(PAPER, sor(1.9), false, (1, 1, 0)),
+        method(SHIPPED, sor(1.7), true, (4, 6, 2)),
+        method(PAPER_SAFE, sor(1.9), true, (1, 7, 2)),
+        method("Chebyshev-Gauss-Seidel, safe", swept, true, (7, 5, 2)),
+        method("Symmetric Chebyshev, safe", Relaxation::SymmetricChebyshev { rho: 0.99 }, true, (7, 3, 4)),
+        block,
+        method(DIRECT, Relaxation::Direct, true, (3, 0, 3)),
+    ]
+}
+
+/// The method of this name.
+pub fn named(name: &str) -> Option<Method> {
+    methods().into_iter().find(|method| method.name == name)
+}
+
+/// The methods of figures 4 to 7, and the same relaxations on Position Based Dynamics where they exist there.
+pub fn with_position_based() -> Vec<Method> {
+    let based = |name, relaxation, safeguard, look| {
+        let mut method = method(name, relaxation, safeguard, look);
+        method.solver.framework = Framework::PositionBased;
+        method
+    };
+    let mut all = methods();
+    all.push(based("XPBD Jacobi 2/3", Relaxation::Jacobi { omega: 2.0 / 3.0 }, false, (0, 1, 4)));
+    all.push(based("XPBD Gauss-Seidel", sor(1.0), false, (5, 0, 4)));
+    all.push(based("XPBD SOR 1.7, safe", sor(1.7), true, (4, 2, 4)));
+    all
+}
+
+/// Whether a method is as the library ships it: under the safeguard, over-relaxed by no more than 1.7.
+pub fn is_shipped(method: &Method) -> bool {
+    let is_mild = !matches!(method.solver.relaxation, Relaxation::GaussSeidel { omega, .. } if omega > 1.75);
+    method.solver.safeguard && is_mild
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_exist_and_have_different_names() {
+        let all = with_position_based();
+        for (idx, method) in all.iter().enumerate() {
+            method.solver.check().unwrap();
+            assert!(all[..idx].iter().all(|other| other.name != method.name));
+        }
+        for name in [JACOBI, WANG, PLAIN, PAPER, MILD, SHIPPED, PAPER_SAFE, DIRECT] {
+            assert!(named(name).is_some(), "{name}");
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! Animations and single frames, measured.
+
+use glam::Vec3;
+use rayon::prelude::*;
+use vivace_model::State;
+use vivace_solver::reference::{Answer, Reference};
+use vivace_solver::{Budget, SolverError, System};
+
+use super::methods::{self, Method};
+use super::scenes::{H, Scene};
+
+/// What a frame may cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// Time \[ms\].
+    Milliseconds(f64),
+    /// Sweeps over all particles, the same on every machine.
+    Sweeps(u32),
+}
+
+impl Limit {
+    /// The budget of a method's frame.
+    pub fn budget(self, method: &Method) -> Budget {
+        match self {
+            Self::Milliseconds(ms) => Budget::milliseconds(ms),
+            Self::Sweeps(n) => Budget::iterations((n / method.sweeps).max(1)),
+        }
+    }
+
+    /// In words.
+    pub fn name(self) -> String {
+        match self {
+            Self::Milliseconds(ms) => format!("{ms} ms a frame"),
+            Self::Sweeps(n) => format!("{n} sweeps a frame"),
+        }
+    }
+}
+
+/// One measured frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// Number, from 1.
+    pub frame: u32,
+    /// `|x − x*| / |s − x*|` against the answer to the method's own step.
+    pub error: f64,
+    /// Iterations.
+    pub iterations: u32,
+    /// Colors.
+    pub colors: u32,
+    /// Time of the solver \[ms\].
+    pub ms: f64,
+}
+
+/// An animation by one method.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// The method.
+    pub method: Method,
+    /// What a frame may cost.
+    pub limit: Limit,
+    /// The measured frames.
+    pub frames: Vec<Frame>,
+    /// The frame that blew up: numbers ran out, or a particle was farther from its start than [`FAR`] times the scene and twice a
+    /// free fall together.
+    pub blown_up: Option<u32>,
+    /// The states after the frames that were kept.
+    pub kept: Vec<(u32, State)>,
+    /// Mean time of all frames \[ms\].
+    pub mean_ms: f64,
+}
+
+/// Farther from its start than so many sizes of the scene and twice a free fall no particle ought to be.
+pub const FAR: f32 = 3.0;
+/// A measured error above this is unstable: twice as bad as no solver at all.
+pub const BAD: f64 = 2.0;
+
+impl Run {
+    /// Whether nothing blew up, and no measured error is above [`BAD`].
+    pub fn is_stable(&self) -> bool {
+        self.blown_up.is_none() && self.frames.iter().all(|f| f.error <= BAD)
+    }
+
+    /// Median of the measured errors; infinite after blowing up.
+    pub fn median(&self) -> f64 {
+        if self.blown_up.is_some() {
+            return f64::INFINITY;
+        }
+        let mut errors: Vec<f64> = self.frames.iter().map(|f| f.error).collect();
+        errors.sort_by(f64::total_cmp);
+        crate::report::quantile(&errors, 0.5)
+    }
+
+    /// Mean iterations of the measured frames.
+    pub fn iterations(&self) -> f64 {
+        self.frames.iter().map(|f| f64::from(f.iterations)).sum::<f64>() / self.frames.len().max(1) as f64
+    }
+}
+
+/// Which frames are looked at.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Frames of the animation.
+    pub n_frames: u32,
+    /// One frame of so many is measured.
+    pub every: u32,
+    /// Frames whose states are kept.
+    pub keep: Vec<u32>,
+}
+
+/// Plays the animation; errors are measured afterwards, so that they take nothing from the time budget.
+///
+/// # Errors
+/// What the solver refuses, beside a step that diverged, which is data.
+pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Result<Run, SolverError> {
+    let mut system = System::new(scene.model.clone(), method.solver)?;
+    let budget = limit.budget(method);
+    // The first step prepares what later ones use.
+    let warm = system.step(&mut scene.state.clone(), &scene.forces, H, Budget::iterations(1));
+    warm.map(drop).or_else(forgive)?;
+    system.set_solver(method.solver)?;
+    let _ = system.step(&mut scene.state.clone(), &scene.forces, H, Budget::iterations(0));
+    let size = size(&scene.state.positions);
+    let mut state = scene.state.clone();
+    let mut run =
+        Run { method: *method, limit, frames: Vec::new(), blown_up: None, kept: Vec::new(), mean_ms: 0.0 };
+    let mut looked_at = Vec::new();
+    for frame in 1..=plan.n_frames {
+        let before = frame.is_multiple_of(plan.every).then(|| state.clone());
+        let report = match system.step(&mut state, &scene.forces, H, budget) {
+            Ok(report) => report,
+            Err(error) => {
+                forgive(error)?;
+                run.blown_up = Some(frame);
+                break;
+            }
+        };
+        let ms = 1e3 * (report.times.predict + report.times.solve + report.times.finish);
+        run.mean_ms += ms / f64::from(plan.n_frames);
+        if let Some(before) = before {
+            let (iterations, colors) = (report.iterations, report.colors);
+            run.frames.push(Frame { frame, error: f64::NAN, iterations, colors, ms });
+            looked_at.push((before, state.positions.clone()));
+        }
+        if plan.keep.contains(&frame) {
+            run.kept.push((frame, state.clone()));
+        }
+        let t = frame as f32 * H;
+        if reach(scene, &state) > FAR * size + scene.forces.gravity.length() * t * t {
+            run.blown_up = Some(frame);
+            break;
+        }
+    }
+    let errors: Vec<Result<f64, SolverError>> = looked_at
+        .par_iter()
+        .map_init(
+            || Reference::new(&scene.model, H.into()),
+            |reference, (before, after)| match reference {
+                Ok(reference) => Ok(reference.solve(before, &scene.forces)?.error(after)),
+                Err(error) => Err(SolverError::Factor { reason: error.to_string() }),
+            },
+        )
+        .collect();
+    for (frame, error) in run.frames.iter_mut().zip(errors) {
+        frame.error = error.or_else(|error| forgive(error).map(|()| f64::NAN))?;
+    }
+    // Beyond all bounds there is no error to speak of.
+    run.frames.retain(|f| f.error.is_finite());
+    Ok(run)
+}
+
+/// A step that diverged, or a state beyond all bounds, is a result; anything else is not.
+fn forgive(error: SolverError) -> Result<(), SolverError> {
+    match error {
+        SolverError::Diverged { .. } | SolverError::Model(_) => Ok(()),
+        error => Err(error),
+    }
+}
+
+/// Diagonal of the bounding box \[m\].
+pub fn size(positions: &[Vec3]) -> f32 {
+    let least = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let most = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    least.distance(most)
+}
+
+/// How far the farthest particle is from its start \[m\].
+fn reach(scene: &Scene, state: &State) -> f32 {
+    let pairs = state.positions.iter().zip(&scene.state.positions);
+    pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
+
+/// The error after so many iterations of one frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Inside {
+    /// Iterations.
+    pub iterations: u32,
+    /// Sweeps.
+    pub sweeps: u32,
+    /// Time of the solver \[ms\]: the least of the repeats.
+    pub ms: f64,
+    /// `|x − x*| / |s − x*|`; not a number where it diverged.
+    pub error: f64,
+}
+
+/// The state after `n_frames` of a converged run.
+///
+/// # Errors
+/// A model without a factor.
+pub fn converged(scene: &Scene, n_frames: u32, iterations: u32) -> Result<State, SolverError> {
+    let mut state = scene.state.clone();
+    let Some(direct) = methods::named(methods::DIRECT) else { return Ok(state) };
+    let mut system = System::new(scene.model.clone(), direct.solver)?;
+    for _ in 0..n_frames {
+        system.step(&mut state, &scene.forces, H, Budget::iterations(iterations))?;
+    }
+    Ok(state)
+}
+
+/// Convergence inside one frame that begins at `start`.
+///
+/// # Errors
+/// What the solver refuses.
+pub fn inside(
+    scene: &Scene,
+    start: &State,
+    method: &Method,
+    sweeps: &[u32],
+    repeats: u32,
+) -> Result<Vec<Inside>, SolverError> {
+    let answer = Reference::new(&scene.model, H.into())?.solve(start, &scene.forces)?;
+    inside_of(scene, start, &answer, method, sweeps, repeats)
+}
+
+/// As [`inside`], with the answer known.
+///
+/// # Errors
+/// What the solver refuses.
+pub fn inside_of(
+    scene: &Scene,
+    start: &State,
+    answer: &Answer,
+    method: &Method,
+    sweeps: &[u32],
+    repeats: u32,
+) -> Result<Vec<Inside>, SolverError> {
+    let mut system = System::new(scene.model.clone(), method.solver)?;
+    system.step(&mut start.clone(), &scene.forces, H, Budget::iterations(0))?;
+    let mut points = Vec::new();
+    for &n in sweeps {
+        let iterations = (n / method.sweeps).max(1);
+        let mut point =
+            Inside { iterations, sweeps: iterations * method.sweeps, ms: f64::INFINITY, error: f64::NAN };
+        for _ in 0..repeats.max(1) {
+            let mut state = start.clone();
+            // The safeguard forgets what it learned.
+            if method.solver.safeguard && !is_direct(method) {
+                system.set_solver(method.solver)?;
+                system.step(&mut start.clone(), &scene.forces, H, Budget::iterations(0))?;
+            }
+            match system.step(&mut state, &scene.forces, H, Budget::iterations(iterations)) {
+                Ok(report) => {
+                    let ms = 1e3 * (report.times.predict + report.times.solve + report.times.finish);
+                    point.ms = point.ms.min(ms);
+                    point.error = answer.error(&state.positions);
+                }
+                Err(error) => forgive(error)?,
+            }
+        }
+        points.push(point);
+    }
+    Ok(points)
+}
+
+fn is_direct(method: &Method) -> bool {
+    method.solver.relaxation == vivace_solver::Relaxation::Direct
+}
