@@ -11,13 +11,14 @@ use crate::SolverError;
 /// Local-global iterations (Bouaziz et al. 2014) before anything faster. A cloth that buckles has many minima; these lead to the
 /// one that Projective Dynamics itself would find.
 const LOCAL_GLOBAL: u32 = 50;
-/// Quasi-Newton steps (Liu, Bouaziz and Kavan 2017) before Newton's.
+/// Quasi-Newton steps (Liu, Bouaziz and Kavan 2017) before Newton's are tried.
 const QUASI_NEWTON: u32 = 100;
-/// Newton steps where the Hessian is exact; each costs a factorization.
-const NEWTON: u32 = 100;
-/// Quasi-Newton steps from one Hessian that is an upper bound, and how many bounds are tried.
+/// Quasi-Newton steps until Newton's are tried again, where the Hessian is not positive definite yet.
+const UNTIL_NEWTON: u32 = 25;
+/// Quasi-Newton steps from one Hessian, where it is only an upper bound.
 const STEPS_PER_BOUND: u32 = 30;
-const BOUNDS: u32 = 40;
+/// Iterations of all kinds.
+const MOST: u32 = 1500;
 /// Pairs of steps and gradients that a quasi-Newton step remembers.
 const MEMORY: usize = 8;
 /// Halvings of a step until it is given up.
@@ -76,14 +77,9 @@ impl Minimizer {
         at.value = self.objective.evaluate(&at.x, predicted, &mut at.gradient);
         let mut pairs = Pairs::default();
         let mut iterations = 0;
-        let quick = LOCAL_GLOBAL + QUASI_NEWTON;
-        let (refresh, last) = if self.objective.is_hessian_exact {
-            (1, quick + NEWTON)
-        } else {
-            (STEPS_PER_BOUND, quick + STEPS_PER_BOUND * BOUNDS)
-        };
-        let mut is_newton = false;
-        while norm(&at.gradient) > tolerance && iterations < last {
+        let (mut is_newton, mut next_newton) = (false, LOCAL_GLOBAL + QUASI_NEWTON);
+        let steps_per_hessian = if self.objective.is_hessian_exact { 1 } else { STEPS_PER_BOUND };
+        while norm(&at.gradient) > tolerance && iterations < MOST {
             if iterations < LOCAL_GLOBAL {
                 // The global step `Y x = b` is x − Y⁻¹ ∇g, and never raises g.
                 let step = self.solved(at.gradient.clone(), false);
@@ -92,10 +88,12 @@ impl Minimizer {
                 iterations += 1;
                 continue;
             }
-            if iterations >= quick && (iterations - quick).is_multiple_of(refresh) {
-                is_newton = true;
-                self.factor_hessian(&at.x)?;
-                pairs.clear();
+            if iterations >= next_newton {
+                let was_newton = std::mem::replace(&mut is_newton, self.factor_hessian(&at.x)?);
+                if is_newton || was_newton {
+                    pairs.clear();
+                }
+                next_newton = iterations + if is_newton { steps_per_hessian } else { UNTIL_NEWTON };
             }
             let direction = pairs.direction(&at.gradient, |gradient| self.solved(gradient, is_newton));
             let Some(next) = self.search(&at, &direction, predicted) else {
@@ -114,14 +112,15 @@ impl Minimizer {
         Ok(minimum)
     }
 
-    fn factor_hessian(&mut self, x: &[DVec3]) -> Result<(), SolverError> {
+    /// Returns whether the Hessian is positive definite, as it is around a minimum: only then Newton's steps are of use.
+    fn factor_hessian(&mut self, x: &[DVec3]) -> Result<bool, SolverError> {
         if self.hessian.is_none() {
             let order: Vec<u32> =
                 self.y.order().iter().flat_map(|row| [3 * row, 3 * row + 1, 3 * row + 2]).collect();
             self.hessian = Some(Cholesky::new(self.objective.hessian_pattern(), 1, Some(&order))?);
         }
-        let values = self.objective.hessian(x);
-        self.hessian.as_mut().map_or(Ok(()), |hessian| hessian.factor(&values))
+        let Some(hessian) = &mut self.hessian else { return Ok(false) };
+        Ok(hessian.factor(&self.objective.hessian(x)).is_ok())
     }
 
     /// Y⁻¹ `v`, or the Hessian's inverse times v.

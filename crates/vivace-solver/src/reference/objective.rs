@@ -20,7 +20,7 @@ pub(crate) struct Objective {
     place: Vec<u32>,
     /// Where Y has entries.
     pub(crate) pattern: Pattern,
-    /// Whether [`Objective::hessian`] is the Hessian, but for directions in which it is negative.
+    /// Whether [`Objective::hessian`] is the Hessian: of strains it is an upper bound.
     pub(crate) is_hessian_exact: bool,
 }
 
@@ -70,7 +70,7 @@ impl<C: Exact<N, R>, const N: usize, const R: usize> Element<C, N, R> {
         std::array::from_fn(|row| (0..N).map(|slot| self.columns[slot][row] * (q[slot] - origin)).sum())
     }
 
-    /// B in the Hessian `w Aᵀ B A`, without what is negative in it. With more than one row 1, which is an upper bound.
+    /// B in the Hessian `w Aᵀ B A`. With more than one row 1, which is an upper bound.
     fn curvature(&self, x: &[DVec3]) -> DMat3 {
         let aq = self.apply(x);
         let length = aq[0].length();
@@ -78,7 +78,7 @@ impl<C: Exact<N, R>, const N: usize, const R: usize> Element<C, N, R> {
             return DMat3::IDENTITY;
         }
         // p is on a sphere around 0, so it turns as A q does.
-        let across = (1.0 - self.rest.project_exactly(aq)[0].length() / length).max(0.0);
+        let across = 1.0 - self.rest.project_exactly(aq)[0].length() / length;
         let u = aq[0] / length;
         let along = DMat3::from_cols(u * u.x, u * u.y, u * u.z);
         along * (1.0 - across) + DMat3::from_diagonal(DVec3::splat(across))
@@ -228,7 +228,7 @@ impl Objective {
         pattern
     }
 
-    /// The Hessian at x, made positive semi-definite constraint by constraint, in the order of its pattern.
+    /// The Hessian at x, in the order of its pattern: see `is_hessian_exact`.
     pub(crate) fn hessian(&self, x: &[DVec3]) -> Vec<f64> {
         let blocks = self.matrix(Some(x));
         let mut values = Vec::with_capacity(9 * blocks.len());
