@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use xtask::commands::{CommandError, bench_coloring, color, fuzz, inspect, reproduce_figures, test};
+use xtask::commands::{CommandError, bench_coloring, bench_simulation, color, fuzz, inspect, reproduce_figures, test};
 
 /// Vivace's chores: the checks of the project, and tools for meshes and graphs of your own.
 #[derive(Parser)]
@@ -20,6 +20,7 @@ enum Command {
     Inspect(inspect::Args),
     Color(color::Args),
     BenchColoring(bench_coloring::Args),
+    BenchSimulation(bench_simulation::Args),
     Fuzz(fuzz::Args),
 }
 
@@ -42,6 +43,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Inspect(args) => inspect::run(args),
         Command::Color(args) => color::run(args),
         Command::BenchColoring(args) => bench_coloring::run(args),
+        Command::BenchSimulation(args) => bench_simulation::run(args),
         Command::Fuzz(args) => fuzz::run(args),
     }
 }

@@ -1,0 +1,145 @@
+//! Three seconds of a falling cloth: how far its edges are stretched at the end, and what a frame costs.
+
+use std::time::Instant;
+
+use vivace_solver::{Budget, Forces, Relaxation, Solver, State, System};
+
+use super::plain::Plain;
+use super::scenes::{self, STEP};
+use super::sweeps::{blocks, gauss_seidel, position_based};
+use super::times::{Reading, Times};
+use super::{Pools, Sizes};
+use crate::figures::FigureError;
+use crate::report::{Table, Value};
+
+/// A setting, animated.
+pub(super) struct Animation {
+    pub(super) setting: String,
+    /// Steps per second.
+    pub(super) rate: u32,
+    /// Time per 1/60 s \[ms\].
+    pub(super) ms: Reading,
+    /// The same over PLAIN.
+    pub(super) over_plain: Reading,
+    /// Mean strain of the edges at the end \[1\]; infinite if it diverged.
+    pub(super) strain: f64,
+}
+
+struct Running {
+    name: String,
+    rate: u32,
+    iterations: u32,
+    system: System,
+    state: State,
+    is_lost: bool,
+}
+
+/// Frames that one setting runs before the next has its turn: caches are its own after the first.
+const TURN: u32 = 10;
+
+fn settings() -> Vec<(String, u32, u32, Solver)> {
+    let direct = Solver { relaxation: Relaxation::Direct, ..gauss_seidel(1.0) };
+    let mut all = Vec::new();
+    for rate in [60, 30] {
+        for iterations in [1, 2, 4] {
+            all.push((format!("PD direct, {iterations}"), rate, iterations, direct));
+        }
+    }
+    all.push(("PD direct, 2 substeps of 1".to_owned(), 60, 2, Solver { substeps: 2, ..direct }));
+    all.push(("PD direct, 20 (converged)".to_owned(), 60, 20, direct));
+    for substeps in [10, 20, 30] {
+        let kinds = [
+            ("XPBD", position_based()),
+            ("PD GS", gauss_seidel(1.0)),
+            ("PD blocks GS", blocks(gauss_seidel(1.0))),
+        ];
+        for (name, solver) in kinds {
+            let solver = Solver { substeps, ..solver };
+            all.push((format!("{name}, {substeps} substeps of 1"), 60, substeps, solver));
+        }
+    }
+    all.push((
+        "PD SOR 1.7, 20, safeguard".to_owned(),
+        60,
+        20,
+        Solver { safeguard: true, ..gauss_seidel(1.7) },
+    ));
+    all
+}
+
+/// Animates all settings in turns.
+pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Animation>, FigureError> {
+    let (model, start) = scenes::cloth(sizes.cloths[0], 100.0, true)?;
+    let mut plain = Plain::new(&model, STEP)?;
+    let mut running = Vec::new();
+    for (name, rate, iterations, solver) in settings() {
+        let system = System::new(model.clone(), solver)?;
+        running.push(Running { name, rate, iterations, system, state: start.clone(), is_lost: false });
+    }
+    let mut times = Times::default();
+    for _ in 0..sizes.animation.div_ceil(TURN) {
+        times.push(Times::PLAIN.0, Times::PLAIN.1, 1, plain.time());
+        for one in &mut running {
+            let key = format!("{} {}", one.name, one.rate);
+            for _ in 0..TURN * one.rate / 60 {
+                if let Some(ms) = pools.one.install(|| one.frame())? {
+                    times.push("A", &key, 1, ms * f64::from(one.rate) / 60.0);
+                }
+            }
+        }
+    }
+    let finished = |one: Running| {
+        let key = format!("{} {}", one.name, one.rate);
+        let strain = scenes::mean_strain(&model, &one.state);
+        Animation {
+            ms: times.ms("A", &key, 1),
+            over_plain: times.ratio("A", &key, 1),
+            strain: if one.is_lost { f64::INFINITY } else { strain },
+            setting: one.name,
+            rate: one.rate,
+        }
+    };
+    Ok(running.into_iter().map(finished).collect())
+}
+
+impl Running {
+    /// Time of a step \[ms\]; nothing once it diverged.
+    fn frame(&mut self) -> Result<Option<f64>, FigureError> {
+        if self.is_lost {
+            return Ok(None);
+        }
+        let begin = Instant::now();
+        let h = 1.0 / self.rate as f32;
+        let result =
+            self.system.step(&mut self.state, &Forces::default(), h, Budget::iterations(self.iterations));
+        let seconds = begin.elapsed().as_secs_f64();
+        match result {
+            // The factor is made once, in the first step.
+            Ok(report) => Ok(Some((seconds - report.times.setup) * 1e3)),
+            Err(vivace_solver::SolverError::Diverged { .. }) => {
+                self.is_lost = true;
+                Ok(None)
+            }
+            Err(other) => Err(other.into()),
+        }
+    }
+}
+
+/// A row for each setting.
+pub(super) fn table(all: &[Animation]) -> Table {
+    let columns = ["setting", "rate", "ms", "ms_min", "over_plain", "over_plain_min", "strain"];
+    let mut table = Table::new("Animation of A: time per 1/60 s, mean strain at the end", &columns);
+    for one in all {
+        let row: [Value; 7] = [
+            one.setting.as_str().into(),
+            one.rate.into(),
+            one.ms.median.into(),
+            one.ms.least.into(),
+            one.over_plain.median.into(),
+            one.over_plain.least.into(),
+            one.strain.into(),
+        ];
+        table.push(row);
+    }
+    table
+}

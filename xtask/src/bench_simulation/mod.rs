@@ -1,0 +1,192 @@
+//! The solvers of `vivace-solver`, measured in one run, as ratios to a plain Gauss-Seidel sweep ([`Plain`], PLAIN in tables); and
+//! the bars that the project holds itself to.
+//!
+//! Workload A is a hanging cloth of springs and hinges, B a bar of tetrahedra ([`scenes`]). All that is compared took turns.
+//!
+//! `times.csv`, a row for each task: `workload`, `task`, `threads`, `runs`, `ms`, `ms_q1`, `ms_q3`, `ms_min` (per iteration),
+//! `over_plain` (ratio of the medians), `over_plain_min` (of the minima). `frames.csv`, what one frame leaves of its error:
+//! `stiffness`, `setting`, `safeguard`, `kind`, `ms_per_iteration`, `ms` (the budget), `iterations`, `error`, `backoffs`.
+//! `winners.csv`: `stiffness`, `ms`, `kind`, `setting`, `error`. `animation.csv`: `setting`, `rate`, `ms` (per frame at 60 Hz),
+//! `ms_min`, `over_plain`, `over_plain_min`, `strain` (at the end). `stability.csv`: `setting`, `stiffness`, `iterations`, `speed`
+//! (the largest). `bars.csv`: `bar`, `asked`, `reached`, `met`, `by_median`.
+
+mod animation;
+mod bars;
+mod frames;
+mod plain;
+mod scenes;
+mod stability;
+mod sweeps;
+mod times;
+
+use std::path::PathBuf;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::figures::FigureError;
+use crate::report::{Figure, Progress, Report, RunInfo, Table};
+
+pub use plain::Plain;
+pub use times::{Timed, Times};
+
+/// How large everything is, and how often it runs.
+#[derive(Clone, Debug)]
+pub struct Sizes {
+    /// Vertices along the sides of the cloths: of A, of the large one, of the one beyond all caches (0: left out).
+    pub cloths: [usize; 3],
+    /// Cells of B.
+    pub bar: [usize; 3],
+    /// Runs of each task on A and B; on the large cloths a third of that.
+    pub runs: u32,
+    /// Frames before the one whose error is measured.
+    pub frames_before: u32,
+    /// Budgets for one frame \[ms\].
+    pub budgets: Vec<f64>,
+    /// Length of the animations \[frames of 1/60 s\].
+    pub animation: u32,
+    /// Frames of 1/30 s, iterations and stiffnesses \[N/m\] of the stability runs.
+    pub stability: (u32, Vec<u32>, Vec<f32>),
+}
+
+impl Sizes {
+    /// Everything.
+    pub fn full() -> Self {
+        Self {
+            cloths: [100, 400, 1000],
+            bar: [35, 16, 16],
+            runs: 15,
+            frames_before: 10,
+            budgets: vec![4.0, 8.0, 15.0, 25.0],
+            animation: 180,
+            stability: (90, vec![1, 2, 4, 10, 20, 50, 100], vec![1.0, 10.0, 100.0, 1000.0]),
+        }
+    }
+
+    /// The same scenes without the largest, fewer runs, fewer cases of stability.
+    pub fn quick() -> Self {
+        Self {
+            cloths: [100, 400, 0],
+            runs: 5,
+            stability: (45, vec![1, 4, 20], vec![10.0, 100.0]),
+            ..Self::full()
+        }
+    }
+}
+
+/// What a run is asked for.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// How much of everything.
+    pub sizes: Sizes,
+    /// Threads of what runs in parallel.
+    pub n_threads: usize,
+    /// The folder for the tables.
+    pub out: PathBuf,
+    /// Folder of the source, for the commit.
+    pub source: PathBuf,
+    /// The command that repeats the run.
+    pub command: String,
+}
+
+/// Where the report is and what it says.
+pub struct Finished {
+    /// The page.
+    pub page: PathBuf,
+    /// Time of each task.
+    pub times: Table,
+    /// Which setting leaves least of a frame's error.
+    pub winners: Table,
+    /// Strain and time of animations.
+    pub animation: Table,
+    /// Bars, and whether they are met.
+    pub bars: Table,
+}
+
+/// One thread, and as many as are compared with it.
+struct Pools {
+    one: ThreadPool,
+    many: ThreadPool,
+    n_threads: usize,
+}
+
+impl Pools {
+    fn new(n_threads: usize) -> Result<Self, FigureError> {
+        let pool = |n_threads: usize| {
+            let pool = ThreadPoolBuilder::new().num_threads(n_threads).build();
+            pool.map_err(|error| FigureError::Threads { n_threads, reason: error.to_string() })
+        };
+        Ok(Self { one: pool(1)?, many: pool(n_threads)?, n_threads })
+    }
+
+    /// Each pool once, with its number of threads.
+    fn all(&self) -> impl Iterator<Item = (&ThreadPool, usize)> {
+        let many = (self.n_threads > 1).then_some((&self.many, self.n_threads));
+        std::iter::once((&self.one, 1)).chain(many)
+    }
+}
+
+/// Measures everything.
+///
+/// # Errors
+/// A solver that fails where it must not; what cannot be written.
+pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, FigureError> {
+    let sizes = &options.sizes;
+    let pools = Pools::new(options.n_threads)?;
+    progress.figure("simulation", 7);
+    let mut times = Times::default();
+    progress.step("sweeps of A");
+    sweeps::cloth(sizes, &pools, &mut times)?;
+    progress.step("sweeps of B");
+    sweeps::bar(sizes, &pools, &mut times)?;
+    progress.step("sweeps of large cloths");
+    let bandwidth = sweeps::large(sizes, &pools, &mut times)?;
+    progress.step("errors of one frame");
+    let frames = frames::measure(sizes, &pools)?;
+    progress.step("animations");
+    let animations = animation::measure(sizes, &pools)?;
+    progress.step("stability");
+    let stability = stability::measure(sizes, &pools)?;
+    progress.step("bars");
+
+    let bars = bars::judge(&bars::Measured {
+        times: &times,
+        n_threads: options.n_threads,
+        n_tets: 6 * sizes.bar.iter().product::<usize>(),
+        bandwidth: &bandwidth,
+        frames: &frames,
+        animations: &animations,
+        stability: &stability,
+    });
+    let times = times.table();
+    let winners = frames::winners(&frames, &sizes.budgets);
+    let animation = animation::table(&animations);
+    let info = RunInfo::new("Vivace: solvers measured", &options.command, 0, &options.source)
+        .option("Threads", options.n_threads)
+        .paragraph("Times per iteration, and as ratios to a plain scalar Gauss-Seidel sweep (PLAIN) over the matrix of workload A, measured in turns with all else. Bars are judged by the best runs, since whatever else runs on the machine only adds time; what the medians say stands beside.");
+    let mut figure = Figure::new(
+        "simulation",
+        "Solvers on the CPU",
+        &options.command,
+        "A: cloth of springs (100 N/m) and hinges, two corners pinned, steps of 1/30 s. B: bar of tetrahedra. One frame's error: relative to what the prediction has, against the answer in double precision, after as many iterations as fit the budget on one thread.",
+    )
+    .table(bars.clone())
+    .table(times.clone())
+    .table(winners.clone())
+    .table(animation.clone())
+    .table(stability::summary(&stability));
+    let data = [
+        ("times", &times),
+        ("frames", &frames::table(&frames)),
+        ("winners", &winners),
+        ("animation", &animation),
+        ("stability", &stability::table(&stability)),
+        ("bars", &bars),
+    ];
+    for (name, table) in data {
+        figure = figure.data(Table { name: name.to_owned(), ..table.clone() });
+    }
+    figure.seconds = Some(progress.done());
+    let mut report = Report::create(&options.out, info)?;
+    report.add(figure)?;
+    Ok(Finished { page: report.finish()?, times, winners, animation, bars })
+}

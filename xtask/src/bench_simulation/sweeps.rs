@@ -1,0 +1,203 @@
+//! Time per iteration of every kind of sweep.
+
+use std::time::Instant;
+
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use vivace_solver::{
+    Base, Budget, Forces, Framework, LocalStep, Model, Relaxation, Solver, State, System, VertexSolve,
+};
+
+use super::plain::Plain;
+use super::scenes::{self, Material, STEP};
+use super::times::{Reading, Times};
+use super::{Pools, Sizes};
+use crate::figures::FigureError;
+
+/// Plain Gauss-Seidel by Projective Dynamics.
+pub(super) fn gauss_seidel(omega: f32) -> Solver {
+    Solver {
+        relaxation: Relaxation::GaussSeidel { omega, base: Base::Latest },
+        safeguard: false,
+        ..Solver::default()
+    }
+}
+
+/// As `solver`, with blocks of 3 × 3.
+pub(super) fn blocks(solver: Solver) -> Solver {
+    let (local, vertex) = (LocalStep::Fused, VertexSolve::Block);
+    Solver { framework: Framework::ProjectiveDynamics { local, vertex }, ..solver }
+}
+
+/// A local step, then so many sweeps.
+pub(super) fn split(sweeps: u32) -> Solver {
+    let (local, vertex) = (LocalStep::Split { sweeps }, VertexSolve::Diagonal);
+    Solver { framework: Framework::ProjectiveDynamics { local, vertex }, ..gauss_seidel(1.0) }
+}
+
+/// Position Based Dynamics.
+pub(super) fn position_based() -> Solver {
+    Solver { framework: Framework::PositionBased, ..gauss_seidel(1.0) }
+}
+
+/// A local step and then only sweeps: there is one for all iterations that are timed.
+const FROZEN: u32 = 100_000;
+
+/// What is timed on one model.
+struct Task {
+    workload: &'static str,
+    name: &'static str,
+    system: System,
+    start: State,
+    iterations: u32,
+}
+
+impl Task {
+    fn new(
+        workload: &'static str,
+        name: &'static str,
+        scene: &(Model, State),
+        solver: Solver,
+        iterations: u32,
+    ) -> Result<Self, FigureError> {
+        let system = System::new(scene.0.clone(), solver)?;
+        Ok(Self { workload, name, system, start: scene.1.clone(), iterations })
+    }
+
+    /// Time of an iteration \[ms\], after a few that warm up.
+    fn run(&mut self, pool: &ThreadPool) -> Result<f64, FigureError> {
+        let (forces, mut state) = (Forces::default(), self.start.clone());
+        let (system, iterations) = (&mut self.system, self.iterations);
+        let report = pool.install(|| {
+            system.step(&mut state, &forces, STEP, Budget::iterations(2))?;
+            system.step(&mut state, &forces, STEP, Budget::iterations(iterations))
+        })?;
+        Ok(report.times.solve * 1e3 / f64::from(report.iterations.max(1)))
+    }
+}
+
+/// All tasks in turns on every pool, PLAIN among them.
+fn in_turns(
+    tasks: &mut [Task],
+    plain: &mut Plain,
+    pools: &Pools,
+    runs: u32,
+    times: &mut Times,
+) -> Result<(), FigureError> {
+    for _ in 0..runs {
+        for (pool, n_threads) in pools.all() {
+            times.push(Times::PLAIN.0, Times::PLAIN.1, 1, plain.time());
+            for task in &mut *tasks {
+                times.push(task.workload, task.name, n_threads, task.run(pool)?);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Workload A.
+pub(super) fn cloth(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(), FigureError> {
+    let scene = scenes::cloth(sizes.cloths[0], 100.0, true)?;
+    let springs = scenes::cloth(sizes.cloths[0], 100.0, false)?;
+    let fast = gauss_seidel(1.7);
+    let safe = Solver { safeguard: true, ..fast };
+    let direct = Solver { relaxation: Relaxation::Direct, ..gauss_seidel(1.0) };
+    let mut tasks = vec![
+        Task::new("A", "PD fused", &scene, gauss_seidel(1.0), 50)?,
+        Task::new("A", "PD blocks", &scene, blocks(gauss_seidel(1.0)), 20)?,
+        Task::new("A", "PD split", &scene, split(1), 50)?,
+        Task::new("A", "PD linear sweep", &scene, split(FROZEN), 50)?,
+        Task::new("A", "PD fused, springs only", &springs, gauss_seidel(1.0), 50)?,
+        Task::new("A", "XPBD, springs only", &springs, position_based(), 50)?,
+        Task::new("A", "XPBD", &scene, position_based(), 20)?,
+        Task::new("A", "SOR of 10 iterations", &scene, fast, 10)?,
+        Task::new("A", "SOR of 10 iterations, safeguard", &scene, safe, 10)?,
+        Task::new("A", "SOR of 50 iterations", &scene, fast, 50)?,
+        Task::new("A", "SOR of 50 iterations, safeguard", &scene, safe, 50)?,
+        Task::new("A", "PD direct", &scene, direct, 4)?,
+    ];
+    let mut plain = Plain::new(&scene.0, STEP)?;
+    in_turns(&mut tasks, &mut plain, pools, sizes.runs, times)
+}
+
+/// Workload B.
+pub(super) fn bar(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(), FigureError> {
+    let volume = scenes::bar(sizes.bar, Material::EdgesAndVolume)?;
+    let strain = scenes::bar(sizes.bar, Material::Strain)?;
+    let mut tasks = vec![
+        Task::new("B", "XPBD edges and volume", &volume, position_based(), 10)?,
+        Task::new("B", "PD strain, split", &strain, split(1), 10)?,
+        Task::new("B", "PD strain, linear sweep", &strain, split(FROZEN), 20)?,
+        Task::new("B", "PD strain, fused", &strain, gauss_seidel(1.0), 2)?,
+    ];
+    let mut plain = Plain::new(&scenes::cloth(sizes.cloths[0], 100.0, true)?.0, STEP)?;
+    in_turns(&mut tasks, &mut plain, pools, sizes.runs, times)
+}
+
+/// A sweep's share of the bandwidth of memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bandwidth {
+    pub(super) n_threads: usize,
+    /// Of a copy \[GB/s\].
+    pub(super) copy: f64,
+    /// Of a sweep \[GB/s\].
+    pub(super) sweep: Reading,
+}
+
+/// The large cloths.
+pub(super) fn large(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<Vec<Bandwidth>, FigureError> {
+    let runs = (sizes.runs / 3).max(1);
+    let mut plain = Plain::new(&scenes::cloth(sizes.cloths[0], 100.0, true)?.0, STEP)?;
+    let scene = scenes::cloth(sizes.cloths[1], 100.0, true)?;
+    let mut tasks = [
+        Task::new("large cloth", "PD fused", &scene, gauss_seidel(1.0), 10)?,
+        Task::new("large cloth", "PD linear sweep", &scene, split(FROZEN), 10)?,
+    ];
+    in_turns(&mut tasks, &mut plain, pools, runs, times)?;
+    if sizes.cloths[2] == 0 {
+        return Ok(Vec::new());
+    }
+    drop(tasks);
+    let scene = scenes::cloth(sizes.cloths[2], 100.0, true)?;
+    let name = "PD linear sweep";
+    let bytes = sweep_bytes(&scene.0)?;
+    let mut task = Task::new("huge cloth", name, &scene, split(FROZEN), 10)?;
+    let mut copied = vec![Vec::new(); 2];
+    let mut memory = (vec![1.0_f32; COPIED / 4], vec![0.0_f32; COPIED / 4]);
+    for _ in 0..runs {
+        for ((pool, n_threads), copied) in pools.all().zip(&mut copied) {
+            copied.push(copy(pool, &mut memory));
+            times.push("huge cloth", name, n_threads, task.run(pool)?);
+            copied.push(copy(pool, &mut memory));
+        }
+    }
+    let of = |((_, n_threads), copied): ((&ThreadPool, usize), &Vec<f64>)| Bandwidth {
+        n_threads,
+        copy: copied.iter().copied().fold(0.0, f64::max),
+        sweep: times.ms("huge cloth", name, n_threads).map(|ms| bytes / (ms * 1e6)),
+    };
+    Ok(pools.all().zip(&copied).map(of).collect())
+}
+
+/// What a linear sweep must at least move: each entry's column and weight; each row's offset, weights, anchor and pull; q, read
+/// once and written once. That neighbors are read again for each color, and the buffer between, do not count.
+fn sweep_bytes(model: &Model) -> Result<f64, FigureError> {
+    const ENTRY: usize = 4 + 4;
+    const ROW: usize = 4 + 4 + 4 + 16 + 16 + 16 + 16;
+    Ok((model.graph()?.csr().len() * ENTRY + model.n_particles() * ROW) as f64)
+}
+
+/// Bytes of what is copied.
+const COPIED: usize = 1 << 27;
+
+/// Bandwidth of a copy, read and written \[GB/s\].
+fn copy(pool: &ThreadPool, (from, to): &mut (Vec<f32>, Vec<f32>)) -> f64 {
+    let piece = from.len().div_ceil(pool.current_num_threads());
+    let start = Instant::now();
+    pool.install(|| {
+        to.par_chunks_mut(piece).zip(from.par_chunks(piece)).for_each(|(to, from)| to.copy_from_slice(from))
+    });
+    let seconds = start.elapsed().as_secs_f64();
+    std::hint::black_box(to);
+    2.0 * COPIED as f64 / seconds / 1e9
+}
