@@ -158,7 +158,8 @@ fn ratio(a: DVec3, b: DVec3) -> Vec3 {
 pub(crate) mod tests {
     use super::*;
 
-    /// A grid of springs with random stiffness, every seventh column entry leading to a pinned particle, and r.
+    /// A grid of springs with random stiffness, every seventh row tied to a pinned particle, and r.
+    #[expect(clippy::cast_possible_truncation, reason = "small")]
     pub(crate) fn grid(width: usize) -> (Rows, Vec<f32>, Vec<Vec3>) {
         let n = width * width;
         let mut hash = 1_u32;

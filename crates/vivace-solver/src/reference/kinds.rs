@@ -105,7 +105,7 @@ mod tests {
 
     /// The kernels' own projections, which are tested on their own, to the digits of `f32`.
     fn agree<C: Exact<N, R>, const N: usize, const R: usize>(rest: &C, aq: [DVec3; R]) {
-        let expected = rest.project(aq.map(|a| a.as_vec3()));
+        let expected = rest.project(aq.map(DVec3::as_vec3));
         for (p, expected) in rest.project_exactly(aq).iter().zip(expected) {
             assert!((p.as_vec3() - expected).length() < 5e-6, "{}: {p} {expected}", C::NAME);
         }

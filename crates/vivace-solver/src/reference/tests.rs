@@ -8,14 +8,14 @@ use super::*;
 const STEP: f64 = 1.0 / 30.0;
 
 /// The square cloth hung by two corners: springs of 100 N/m, flat hinges of 10⁻⁵ J.
-fn hung_cloth(width: usize) -> (Model, State) {
-    let mesh = cloth::regular(width, width, 0.99 / (width - 1) as f32).unwrap();
+fn hung_cloth(width: u16) -> (Model, State) {
+    let mesh = cloth::regular(width.into(), width.into(), 0.99 / f32::from(width - 1)).unwrap();
     let mut builder = ModelBuilder::default();
     let first = builder.cloth(&mesh, 0.2).unwrap();
     builder.springs(first, &mesh.edges(), 100.0).unwrap();
     builder.hinges(first, &mesh.hinges(), 1e-5, false).unwrap();
     builder.pin(0).unwrap();
-    builder.pin(width as u32 - 1).unwrap();
+    builder.pin(u32::from(width) - 1).unwrap();
     builder.build().unwrap()
 }
 
@@ -104,12 +104,13 @@ fn hessian_is_the_derivative_of_the_gradient() {
             objective.evaluate(x, x, &mut unused);
             unused[i][axis]
         });
-        for k in pattern.offsets[column] as usize..pattern.offsets[column + 1] as usize {
-            let row = pattern.rows[k] as usize;
+        let entries = pattern.offsets[column] as usize..pattern.offsets[column + 1] as usize;
+        for (&row, value) in pattern.rows[entries.clone()].iter().zip(&values[entries]) {
+            let row = row as usize;
             // Differences with s = x leave inertia out.
             let inertia = if row == column { f64::from(model.masses()[i]) / (STEP * STEP) } else { 0.0 };
             let expected = expected[objective.free[row / 3] as usize][row % 3] + inertia;
-            assert!((values[k] - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{row} {column}");
+            assert!((value - expected).abs() < 1e-5 * (1.0 + expected.abs()), "{row} {column}");
         }
     }
 }
@@ -120,7 +121,7 @@ fn a_chain_hangs_as_its_equations_say() {
     let mut builder = ModelBuilder::default();
     let x: Vec<Vec3> = (0..N).map(|i| Vec3::new(0.0, -0.1 * i as f32, 0.0)).collect();
     builder.particles(&x, &[0.25; N]).unwrap();
-    let links: Vec<[u32; 2]> = (1..N as u32).map(|i| [i - 1, i]).collect();
+    let links: Vec<[u32; 2]> = (1..).take(N - 1).map(|i| [i - 1, i]).collect();
     builder.springs(0, &links, 50.0).unwrap();
     builder.pin(0).unwrap();
     let (model, state) = builder.build().unwrap();
