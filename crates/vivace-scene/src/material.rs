@@ -1,0 +1,178 @@
+//! What a body is made of.
+
+use serde::{Deserialize, Serialize};
+use vivace_mesh::{Mesh, TetMesh, TriMesh};
+use vivace_model::ModelBuilder;
+
+use crate::BodyError;
+
+/// Masses and constraints of a body. `None` leaves a kind of constraint out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Material {
+    /// For triangles.
+    Cloth {
+        /// \[kg/m²\], 0.2 if left out.
+        #[serde(default = "cloth_density")]
+        density: f32,
+        /// Stiffness of a spring on each edge \[N/m\], 100 if left out.
+        #[serde(default = "cloth_springs")]
+        springs: Option<f32>,
+        /// Resistance to bending; flat hinges of 10⁻⁵ J if left out.
+        #[serde(default = "cloth_bending")]
+        bending: Option<Bending>,
+        /// A limit on the strain of each triangle; none if left out.
+        #[serde(default)]
+        strain: Option<ClothStrain>,
+    },
+    /// For tetrahedra.
+    Volume {
+        /// \[kg/m³\], 1000 if left out.
+        #[serde(default = "volume_density")]
+        density: f32,
+        /// Stiffness against changes of shape \[Pa\], 10⁵ if left out.
+        #[serde(default = "volume_strain")]
+        strain: Option<f32>,
+        /// Stiffness against changes of volume; none if left out.
+        #[serde(default)]
+        volume: Option<VolumeStiffness>,
+        /// Stiffness of a spring on each edge \[N/m\]; none if left out.
+        #[serde(default)]
+        springs: Option<f32>,
+    },
+}
+
+/// A hinge on each inner edge.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bending {
+    /// \[J\].
+    pub stiffness: f32,
+    /// At rest as the shape is, not flat.
+    #[serde(default)]
+    pub curved: bool,
+}
+
+/// A limit on the strain of each triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClothStrain {
+    /// \[N/m\].
+    pub stiffness: f32,
+    /// No force within ± this strain \[1\], at least 0 and below 1.
+    pub limit: f32,
+}
+
+/// Stiffness against changes of volume.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VolumeStiffness {
+    /// \[Pa\].
+    pub stiffness: f32,
+    /// Least and greatest volume without a force, over that at rest \[1\]; exactly the rest volume if left out.
+    #[serde(default = "rest_volume")]
+    pub range: [f32; 2],
+}
+
+fn cloth_density() -> f32 {
+    0.2
+}
+
+fn cloth_springs() -> Option<f32> {
+    Some(100.0)
+}
+
+fn cloth_bending() -> Option<Bending> {
+    Some(Bending { stiffness: 1e-5, curved: false })
+}
+
+fn volume_density() -> f32 {
+    1000.0
+}
+
+fn volume_strain() -> Option<f32> {
+    Some(1e5)
+}
+
+fn rest_volume() -> [f32; 2] {
+    [1.0, 1.0]
+}
+
+impl Material {
+    /// Cotton-like cloth: what a scene file gets that says `Cloth()`.
+    #[must_use]
+    pub fn cloth() -> Self {
+        Self::Cloth {
+            density: cloth_density(),
+            springs: cloth_springs(),
+            bending: cloth_bending(),
+            strain: None,
+        }
+    }
+
+    /// Rubber-like volume: what a scene file gets that says `Volume()`.
+    #[must_use]
+    pub fn volume() -> Self {
+        Self::Volume { density: volume_density(), strain: volume_strain(), volume: None, springs: None }
+    }
+
+    /// Adds the mesh with masses and constraints; returns its first particle.
+    pub(crate) fn add(&self, builder: &mut ModelBuilder, mesh: &Mesh) -> Result<u32, BodyError> {
+        match (self, mesh) {
+            (&Self::Cloth { density, springs, bending, strain }, Mesh::Tri(mesh)) => {
+                add_cloth(builder, mesh, density, springs, bending, strain)
+            }
+            (&Self::Volume { density, strain, volume, springs }, Mesh::Tet(mesh)) => {
+                add_volume(builder, mesh, density, strain, volume, springs)
+            }
+            (Self::Cloth { .. }, _) => {
+                Err(BodyError::Material { shape: "volume", material: "cloth", remedy: "Volume()" })
+            }
+            (Self::Volume { .. }, _) => {
+                Err(BodyError::Material { shape: "cloth", material: "volume", remedy: "Cloth()" })
+            }
+        }
+    }
+}
+
+fn add_cloth(
+    builder: &mut ModelBuilder,
+    mesh: &TriMesh,
+    density: f32,
+    springs: Option<f32>,
+    bending: Option<Bending>,
+    strain: Option<ClothStrain>,
+) -> Result<u32, BodyError> {
+    let first = builder.cloth(mesh, density)?;
+    if let Some(stiffness) = springs {
+        builder.springs(first, &mesh.edges(), stiffness)?;
+    }
+    if let Some(Bending { stiffness, curved }) = bending {
+        builder.hinges(first, &mesh.hinges(), stiffness, curved)?;
+    }
+    if let Some(ClothStrain { stiffness, limit }) = strain {
+        builder.triangle_strain(first, mesh.triangles(), stiffness, limit)?;
+    }
+    Ok(first)
+}
+
+fn add_volume(
+    builder: &mut ModelBuilder,
+    mesh: &TetMesh,
+    density: f32,
+    strain: Option<f32>,
+    volume: Option<VolumeStiffness>,
+    springs: Option<f32>,
+) -> Result<u32, BodyError> {
+    let first = builder.volume(mesh, density)?;
+    if let Some(stiffness) = springs {
+        builder.springs(first, &mesh.edges(), stiffness)?;
+    }
+    if let Some(stiffness) = strain {
+        builder.tet_strain(first, mesh.tets(), stiffness)?;
+    }
+    if let Some(VolumeStiffness { stiffness, range }) = volume {
+        builder.tet_volume(first, mesh.tets(), stiffness, range)?;
+    }
+    Ok(first)
+}

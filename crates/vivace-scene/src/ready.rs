@@ -1,0 +1,93 @@
+//! Scenes that are ready made. `assets/scenes/` holds the same as files.
+
+use glam::Vec3;
+use vivace_model::{Forces, Wind};
+
+use crate::{Body, Material, Pattern, Scene, Select, Shape, Source, VolumeStiffness};
+
+impl Scene {
+    /// Names that [`Scene::named`] knows.
+    pub const NAMES: [&str; 4] = ["tablecloth", "armadillo", "beam", "flag"];
+
+    /// A ready-made scene, in the size of its file in `assets/scenes/`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "tablecloth" => Some(tablecloth(100)),
+            "armadillo" => Some(armadillo(10_000)),
+            "beam" => Some(beam()),
+            "flag" => Some(flag()),
+            _ => None,
+        }
+    }
+}
+
+/// A cloth of `n` × `n` vertices and 0.99 m, flat at the start and held at two corners of one side.
+///
+/// 0.2 kg/m², springs of 100 N/m on all edges, flat hinges of 10⁻⁵ J. With n = 100: 10,000 vertices, 29,601 springs and 29,205
+/// hinges. Fewer than 2 vertices are refused when the scene is built.
+#[must_use]
+pub fn tablecloth(n: usize) -> Scene {
+    let spacing = 0.99 / (n as f32 - 1.0);
+    let shape = Shape::Cloth { width: n, height: n, spacing, pattern: Pattern::Regular };
+    let pins = [Vec3::ZERO, Vec3::new(0.99, 0.0, 0.0)].map(Select::Nearest).to_vec();
+    Scene {
+        name: "tablecloth".to_owned(),
+        bodies: vec![Body { pins, ..Body::new(shape, Material::cloth()) }],
+        ..Scene::default()
+    }
+}
+
+/// The stand-in for the armadillo, filled with about `n_vertices` (10,000 come with 55,000 tetrahedra) and hanging by one hand.
+///
+/// 1 m high, 1000 kg/m³, 10⁵ Pa against changes of shape and again of volume beyond 5 %.
+#[must_use]
+pub fn armadillo(n_vertices: usize) -> Scene {
+    let shape = Shape::Sdf { source: Source::Dillo, vertices: n_vertices, irregular: Some(2016) };
+    let material = Material::Volume {
+        density: 1000.0,
+        strain: Some(1e5),
+        volume: Some(VolumeStiffness { stiffness: 1e5, range: [0.95, 1.05] }),
+        springs: None,
+    };
+    let hand = Select::Box { min: Vec3::new(0.26, 0.8, -0.28), max: Vec3::new(0.42, 0.92, -0.14) };
+    Scene {
+        name: "armadillo".to_owned(),
+        bodies: vec![Body { pins: vec![hand], ..Body::new(shape, material) }],
+        ..Scene::default()
+    }
+}
+
+/// A bar of 36 × 17 × 17 vertices, 0.35 × 0.16 × 0.16 m, held at one end: 1000 kg/m³, 10⁵ Pa.
+#[must_use]
+pub fn beam() -> Scene {
+    let end = Select::Box { min: Vec3::splat(-0.001), max: Vec3::new(0.001, 1.0, 1.0) };
+    let shape = Shape::Beam { cells: [35, 16, 16], spacing: 0.01 };
+    Scene {
+        name: "beam".to_owned(),
+        bodies: vec![Body { pins: vec![end], ..Body::new(shape, Material::volume()) }],
+        ..Scene::default()
+    }
+}
+
+/// A flag of 1.2 × 0.8 m on its pole, in a wind of 6 m/s.
+#[must_use]
+pub fn flag() -> Scene {
+    let shape = Shape::Cloth { width: 49, height: 33, spacing: 0.025, pattern: Pattern::Alternating };
+    let pole = Select::Box { min: Vec3::splat(-0.001), max: Vec3::new(0.001, 0.001, 1.0) };
+    Scene {
+        name: "flag".to_owned(),
+        bodies: vec![Body {
+            rotate: Vec3::new(90.0, 0.0, 0.0),
+            at: Vec3::new(0.0, 2.0, 0.0),
+            pins: vec![pole],
+            ..Body::new(shape, Material::cloth())
+        }],
+        forces: Forces {
+            damping: 0.2,
+            wind: Some(Wind { velocity: Vec3::new(6.0, 0.0, 1.5), drag: 0.6 }),
+            ..Forces::default()
+        },
+        ..Scene::default()
+    }
+}
