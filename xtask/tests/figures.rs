@@ -86,7 +86,7 @@ fn head(source: &str) -> String {
 fn animations_are_compared() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path();
-    figures::reproduce(&options(out, vec![4, 5], None), &mut Progress::silent()).unwrap();
+    figures::reproduce(&options(out, vec![4, 5, 6, 7], None), &mut Progress::silent()).unwrap();
     let n_methods = simulation::methods::methods().len();
     let source = include_str!("../src/figures/simulation/mod.rs").replace("figN", "fig4");
     for (id, n_limits) in [("fig4", 4), ("fig5", 6)] {
@@ -97,6 +97,11 @@ fn animations_are_compared() {
         for end in ["", "-2", "-3", "-4"] {
             assert!(out.join(format!("{id}{end}.png")).metadata().unwrap().len() > 1000);
         }
+    }
+    let source = include_str!("../src/figures/simulation/stills.rs");
+    for id in ["fig6", "fig7"] {
+        columns_are_documented(&read(out, &format!("{id}.csv")), source);
+        assert!(out.join(format!("{id}-2.png")).metadata().unwrap().len() > 1000);
     }
     let html = read(out, "report.html");
     assert!(html.contains("STAND-IN for the Armadillo") && html.contains("In short."));
@@ -158,7 +163,7 @@ fn what_cannot_be_made_is_said() {
         let options = options(&folder.path().join("out"), figures, meshes);
         figures::reproduce(&options, &mut Progress::silent()).unwrap_err().to_string()
     };
-    assert!(fail(vec![11], None).contains("there are 2 to 5"));
+    assert!(fail(vec![11], None).contains("there are 2 to 7"));
     assert!(fail(vec![2], Some(folder.path().join("none"))).contains("--meshes"));
     assert!(fail(vec![2], Some(folder.path().to_owned())).contains("bunny"));
 }

@@ -2,6 +2,7 @@
 
 use vivace_solver::{Base, Framework, LocalStep, Relaxation, Solver, VertexSolve};
 
+use super::scenes::Scene;
 use crate::report::Look;
 
 /// A solver with a name.
@@ -70,6 +71,31 @@ pub fn methods() -> Vec<Method> {
         block,
         method(DIRECT, Relaxation::Direct, true, (3, 0, 3)),
     ]
+}
+
+/// The methods on a scene: on tetrahedra, whose projections cost most, ours compute them once for all particles before each sweep.
+pub fn methods_for(scene: &Scene) -> Vec<Method> {
+    let mut all = methods();
+    if !scene.model.constraints().tet_strain.is_empty() {
+        all.iter_mut().for_each(split);
+    }
+    all
+}
+
+fn split(method: &mut Method) {
+    if let Framework::ProjectiveDynamics { local, vertex: VertexSolve::Diagonal } =
+        &mut method.solver.framework
+        && method.solver.safeguard
+    {
+        *local = LocalStep::Split { sweeps: 1 };
+    }
+}
+
+/// Whether it works color by color.
+pub fn is_colored(method: &Method) -> bool {
+    use Relaxation as R;
+    let relaxation = method.solver.relaxation;
+    !matches!(relaxation, R::Jacobi { .. } | R::Chebyshev { .. } | R::Lexicographic { .. } | R::Direct)
 }
 
 /// The method of this name.

@@ -1,4 +1,4 @@
-//! Figures 4 and 5: the solvers compared in animations and inside a single frame.
+//! Figures 4 to 7: the solvers compared in animations and inside a single frame.
 //!
 //! The columns of the data of figures 4 and 5 (`figN` stands for either):
 //!
@@ -16,9 +16,12 @@ mod charts;
 pub mod claims;
 pub mod fig4;
 pub mod fig5;
+pub mod fig6;
+pub mod fig7;
 pub mod methods;
 pub mod runs;
 pub mod scenes;
+mod stills;
 
 use vivace_solver::reference::Reference;
 
@@ -45,9 +48,9 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// A minute or so for all four figures.
+    /// Two minutes or so for all four figures.
     pub fn quick() -> Self {
-        Self { vertices: 900, n_frames: 30, every: 10, most_sweeps: 128, still: 300 }
+        Self { vertices: 600, n_frames: 24, every: 12, most_sweeps: 128, still: 300 }
     }
 
     /// The paper's sizes.
@@ -92,13 +95,13 @@ impl Comparison {
         subject: &Subject<'_>,
         make: fn(&Context<'_>) -> Result<Scene, FigureError>,
     ) -> Result<Self, FigureError> {
-        let all = methods();
         let limits: Vec<Limit> =
             subject.times.iter().map(|&ms| Limit::Milliseconds(ms)).chain(WORK.map(Limit::Sweeps)).collect();
         let sizes = context.sizes.simulation.clone();
-        context.progress.figure(subject.id, (limits.len() + 1) as u64 * all.len() as u64 + 3);
+        context.progress.figure(subject.id, (limits.len() + 1) as u64 * methods().len() as u64 + 3);
         context.progress.step("the scene");
         let scene = make(context)?;
+        let all = methods::methods_for(&scene);
         let plan = Plan { n_frames: sizes.n_frames, every: sizes.every, keep: Vec::new() };
         let mut runs = Vec::new();
         for &limit in &limits {
@@ -152,7 +155,7 @@ impl Comparison {
 
     fn figure(&self, context: &Context<'_>, subject: &Subject<'_>, command: &str) -> Figure {
         let caption = format!(
-            "{}\n\n{}\n\nError: distance to the converged end of the same frame, begun at the method\u{2019}s own state, over that of the prediction: 1 is as good as no solver. h = 1/30 s. A cross: numbers ran out, or a particle was more than {} sizes of the scene and twice a free fall from its start; the curve ends there. Methods named \u{201c}safe\u{201d} watch the objective and ease acceleration; the others do exactly what they are told, as in the paper. Times: {}; on it a frame holds far fewer iterations than on a GPU. Sweeps are the same on every machine (a symmetric iteration is two; a 3x3 block sweep costs more; one iteration of Direct solves the global system).",
+            "{}\n\n{}\n\nError: distance to the converged end of the same frame, begun at the method\u{2019}s own state, over that of the prediction: 1 is as good as no solver. h = 1/30 s. A cross: numbers ran out, or a particle was more than {} sizes of the scene and twice a free fall from its start; the curve ends there. Methods named \u{201c}safe\u{201d} watch the objective and ease acceleration; the others do exactly what they are told, as in the paper. Times: {}; on it a frame holds far fewer iterations than on a GPU. Sweeps are the same on every machine (a symmetric iteration is two; a 3x3 block sweep costs more; one iteration of Direct solves the global system). On tetrahedra the safe methods compute all projections once before each sweep, the others anew for each particle, as in the paper.",
             self.in_short(),
             self.scene.caption,
             runs::FAR,

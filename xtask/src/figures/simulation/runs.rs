@@ -103,7 +103,7 @@ pub struct Plan {
     pub n_frames: u32,
     /// One frame of so many is measured.
     pub every: u32,
-    /// Frames whose states are kept.
+    /// Frames whose states are kept; they are measured, too.
     pub keep: Vec<u32>,
 }
 
@@ -125,7 +125,8 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
         Run { method: *method, limit, frames: Vec::new(), blown_up: None, kept: Vec::new(), mean_ms: 0.0 };
     let mut looked_at = Vec::new();
     for frame in 1..=plan.n_frames {
-        let before = frame.is_multiple_of(plan.every).then(|| state.clone());
+        let is_measured = frame.is_multiple_of(plan.every) || plan.keep.contains(&frame);
+        let before = is_measured.then(|| state.clone());
         let report = match system.step(&mut state, &scene.forces, H, budget) {
             Ok(report) => report,
             Err(error) => {
@@ -137,7 +138,8 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
         let ms = 1e3 * (report.times.predict + report.times.solve + report.times.finish);
         run.mean_ms += ms / f64::from(plan.n_frames);
         if let Some(before) = before {
-            let (iterations, colors) = (report.iterations, report.colors);
+            let colors = if methods::is_colored(method) { report.colors } else { 0 };
+            let iterations = report.iterations;
             run.frames.push(Frame { frame, error: f64::NAN, iterations, colors, ms });
             looked_at.push((before, state.positions.clone()));
         }
