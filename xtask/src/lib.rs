@@ -1,7 +1,8 @@
-//! The parts of `cargo xtask`: reports from plain data, and one module for each command.
+//! The parts of `cargo xtask`: reports from plain data, pictures of meshes, and one module for each command.
 
 pub mod bench;
 pub mod bench_simulation;
 pub mod commands;
 pub mod figures;
+pub mod picture;
 pub mod report;

@@ -49,7 +49,8 @@ pub fn png_from_gray16(what: &str, width: u32, height: u32, levels: &[u8]) -> Re
     encode(what, width, height, png::ColorType::Grayscale, png::BitDepth::Four, &packed)
 }
 
-fn encode(
+/// A PNG file of raw pixels, row by row.
+pub(crate) fn encode(
     what: &str,
     width: u32,
     height: u32,
