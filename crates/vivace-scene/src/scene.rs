@@ -61,11 +61,13 @@ impl Scene {
     /// The text is not a scene: says the line and column.
     pub fn from_ron(text: &str) -> Result<Self, SceneError> {
         let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
-        options.from_str(text).map_err(|error| SceneError::Syntax {
-            path: None,
-            line: error.span.start.line,
-            column: error.span.start.col,
-            reason: error.code.to_string(),
+        options.from_str(text).map_err(|error| {
+            let (line, column) = (error.span.start.line, error.span.start.col);
+            // The parser points at the blanks before a value, people at the value.
+            let from = text.lines().nth(line.saturating_sub(1)).unwrap_or_default().chars();
+            let n_blanks = from.skip(column.saturating_sub(1)).take_while(|c| c.is_whitespace()).count();
+            let reason = error.code.to_string();
+            SceneError::Syntax { path: None, line, column: column + n_blanks, reason }
         })
     }
 
