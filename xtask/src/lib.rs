@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod bench_simulation;
 pub mod commands;
+pub mod extremes;
 pub mod figures;
 pub mod picture;
 pub mod report;

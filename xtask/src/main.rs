@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use xtask::commands::{CommandError, bench_coloring, bench_simulation, color, fuzz, inspect, reproduce_figures, test};
+use xtask::commands::{
+    CommandError, bench_coloring, bench_simulation, color, extremes, fuzz, inspect, reproduce_figures, test,
+};
 
 /// Vivace's chores: the checks of the project, and tools for meshes and graphs of your own.
 #[derive(Parser)]
@@ -21,6 +23,7 @@ enum Command {
     Color(color::Args),
     BenchColoring(bench_coloring::Args),
     BenchSimulation(bench_simulation::Args),
+    Extremes(extremes::Args),
     Fuzz(fuzz::Args),
 }
 
@@ -44,6 +47,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Color(args) => color::run(args),
         Command::BenchColoring(args) => bench_coloring::run(args),
         Command::BenchSimulation(args) => bench_simulation::run(args),
+        Command::Extremes(args) => extremes::run(args),
         Command::Fuzz(args) => fuzz::run(args),
     }
 }

@@ -3,6 +3,7 @@
 pub mod bench_coloring;
 pub mod bench_simulation;
 pub mod color;
+pub mod extremes;
 pub mod fuzz;
 pub mod inspect;
 pub mod reproduce_figures;

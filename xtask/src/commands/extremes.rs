@@ -1,0 +1,41 @@
+//! `cargo xtask extremes`: what each method survives.
+
+use std::path::PathBuf;
+
+use super::reproduce_figures::{n_threads, workspace};
+use super::{CommandError, output};
+use crate::extremes;
+use crate::report::{Report, RunInfo};
+
+/// Take small scenes to their ends with every method and write what survives
+///
+/// Time step, stiffness, mass ratio, iterations, omega, anchors, bad starts,
+/// slivers, far from the origin, not a number. A minute or so.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// One case of each kind
+    #[arg(long)]
+    quick: bool,
+    /// Folder of the report [default: out/extremes in the workspace]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: Option<u32>,
+}
+
+/// Plays all cases and prints where the report is.
+pub fn run(args: Args) -> Result<(), CommandError> {
+    let n_threads = n_threads(args.threads);
+    let failed = |error: &dyn std::fmt::Display| CommandError::Failed(error.to_string());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().map_err(|e| failed(&e))?;
+    let quick = if args.quick { " --quick" } else { "" };
+    let command = format!("cargo xtask extremes{quick} --threads {n_threads}");
+    let info = RunInfo::new("Vivace: extremes", &command, 0, &workspace());
+    let out = args.out.unwrap_or_else(|| workspace().join("out/extremes"));
+    let mut report = Report::create(&out, info)?;
+    let figure = pool.install(|| extremes::make(&command, args.quick)).map_err(|e| failed(&e))?;
+    report.add(figure)?;
+    let page = report.finish()?;
+    output::print(&format!("{}\n", page.canonicalize().unwrap_or(page).display()))
+}
