@@ -1,0 +1,48 @@
+//! What a simulation refuses.
+
+use vivace_model::ModelError;
+use vivace_scene::SceneError;
+use vivace_solver::SolverError;
+
+/// Why something was refused. The simulation is as it was.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// The scene cannot be read or built.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The solver or the budget cannot be, or the step left the range of numbers.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// A state, a force or a target cannot be.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A text is not a snapshot.
+    #[error("line {line}, column {column}: {reason}; is it a snapshot?")]
+    Text {
+        /// From 1.
+        line: usize,
+        /// From 1.
+        column: usize,
+        /// What was expected there.
+        reason: String,
+    },
+    /// A snapshot of another model.
+    #[error(
+        "the snapshot has {found} {what}, the simulation {expected}; restore it in the scene it was taken of"
+    )]
+    Snapshot {
+        /// Particles or attachments.
+        what: &'static str,
+        /// In the simulation.
+        expected: usize,
+        /// In the snapshot.
+        found: usize,
+    },
+    /// A time step that cannot be.
+    #[error("the time step is {value} s; it must be above 0 and at most 1000")]
+    TimeStep {
+        /// \[s\].
+        value: f32,
+    },
+}

@@ -1,0 +1,211 @@
+//! A model on its way through time.
+
+use std::path::Path;
+
+use vivace_model::{Forces, Model, State};
+use vivace_scene::Scene;
+use vivace_solver::{Budget, Solver, StepReport, System};
+
+use crate::{SimError, Snapshot, Vec3};
+
+/// A model, its state, what acts on it, and a solver prepared for it.
+///
+/// Work runs in the rayon pool it is called in; under a budget of iterations the answer is the same, bit for bit, on any number of
+/// threads.
+#[derive(Debug)]
+pub struct Simulation {
+    system: System,
+    state: State,
+    forces: Forces,
+    time_step: f32,
+    frame: u64,
+}
+
+impl Simulation {
+    /// Builds a scene; files of meshes are looked for in the current folder.
+    ///
+    /// # Errors
+    /// What [`Scene::build`] and the solver refuse.
+    pub fn new(scene: &Scene, solver: Solver) -> Result<Self, SimError> {
+        Self::new_in(scene, Path::new("."), solver)
+    }
+
+    /// Builds a scene; files of meshes are looked for in `folder`.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn new_in(scene: &Scene, folder: &Path, solver: Solver) -> Result<Self, SimError> {
+        let (model, state) = scene.build(folder)?;
+        Self::from_model(model, state, scene.forces, scene.time_step, solver)
+    }
+
+    /// Reads and builds a scene file (.ron or .json); files of meshes are looked for beside it.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`]; the file cannot be read.
+    pub fn load(path: impl AsRef<Path>, solver: Solver) -> Result<Self, SimError> {
+        let path = path.as_ref();
+        let folder = path.parent().unwrap_or(Path::new("."));
+        Self::new_in(&Scene::load(path)?, folder, solver)
+    }
+
+    /// A model of your own, with `time_step` \[s\] from frame to frame.
+    ///
+    /// # Errors
+    /// A state, force, time step or solver that cannot be.
+    pub fn from_model(
+        model: Model,
+        state: State,
+        forces: Forces,
+        time_step: f32,
+        solver: Solver,
+    ) -> Result<Self, SimError> {
+        state.check(&model)?;
+        forces.check()?;
+        check_time_step(time_step)?;
+        let system = System::new(model, solver)?;
+        Ok(Self { system, state, forces, time_step, frame: 0 })
+    }
+
+    /// The next frame.
+    ///
+    /// # Errors
+    /// A budget or force that cannot be; a result that is not finite. The simulation is then as it was.
+    pub fn step(&mut self, budget: Budget) -> Result<StepReport, SimError> {
+        let report = self.system.step(&mut self.state, &self.forces, self.time_step, budget)?;
+        self.frame += 1;
+        Ok(report)
+    }
+
+    /// Positions \[m\].
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.state.positions
+    }
+
+    /// Positions and velocities.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Puts the particles elsewhere.
+    ///
+    /// # Errors
+    /// Arrays of a wrong length, or a particle whose values are not finite or are beyond 10¹²; the old state stays.
+    pub fn set_state(&mut self, state: State) -> Result<(), SimError> {
+        state.check(self.system.model())?;
+        self.state = state;
+        Ok(())
+    }
+
+    /// Moves the target of an attachment \[m\]: dragging.
+    ///
+    /// # Errors
+    /// There is no such attachment; the target is not finite.
+    pub fn set_target(&mut self, attachment: usize, target: Vec3) -> Result<(), SimError> {
+        Ok(self.system.set_attachment_target(attachment, target)?)
+    }
+
+    /// Where the attachments pull to \[m\].
+    pub fn targets(&self) -> impl ExactSizeIterator<Item = Vec3> {
+        self.model().constraints().attachments.rest.iter().map(|attachment| attachment.target)
+    }
+
+    /// What acts on the particles.
+    #[must_use]
+    pub fn forces(&self) -> &Forces {
+        &self.forces
+    }
+
+    /// Changes what acts on the particles, from the next step on, which checks it.
+    pub fn forces_mut(&mut self) -> &mut Forces {
+        &mut self.forces
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        self.system.model()
+    }
+
+    /// The solver.
+    #[must_use]
+    pub fn solver(&self) -> Solver {
+        self.system.solver()
+    }
+
+    /// Goes on with another solver.
+    ///
+    /// # Errors
+    /// It cannot be; the old one stays.
+    pub fn set_solver(&mut self, solver: Solver) -> Result<(), SimError> {
+        Ok(self.system.set_solver(solver)?)
+    }
+
+    /// Time from frame to frame \[s\].
+    #[must_use]
+    pub fn time_step(&self) -> f32 {
+        self.time_step
+    }
+
+    /// Steps since the start.
+    #[must_use]
+    pub fn frame(&self) -> u64 {
+        self.frame
+    }
+
+    /// Time since the start \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.frame as f64 * f64::from(self.time_step)
+    }
+
+    /// All that changes, to be kept.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            frame: self.frame,
+            time_step: self.time_step,
+            forces: self.forces,
+            targets: self.targets().collect(),
+            state: self.state.clone(),
+        }
+    }
+
+    /// Goes back to a snapshot, of this simulation or of another of the same scene. Under a budget of iterations the frames that
+    /// follow are the same bit for bit, with one exception: a safeguard that had to ease acceleration before (see
+    /// [`StepReport::backoffs`]) begins again without memory of it.
+    ///
+    /// # Errors
+    /// A snapshot of another model, or with values that cannot be; the simulation stays as it was.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimError> {
+        let count = |what, expected, found| {
+            if expected == found { Ok(()) } else { Err(SimError::Snapshot { what, expected, found }) }
+        };
+        count("particles", self.model().n_particles(), snapshot.state.positions.len())?;
+        count("attachments", self.model().constraints().attachments.len(), snapshot.targets.len())?;
+        snapshot.state.check(self.model())?;
+        snapshot.forces.check()?;
+        check_time_step(snapshot.time_step)?;
+        let before: Vec<Vec3> = self.targets().collect();
+        for (attachment, &target) in snapshot.targets.iter().enumerate() {
+            if let Err(error) = self.set_target(attachment, target) {
+                for (attachment, &target) in before.iter().enumerate() {
+                    self.set_target(attachment, target)?;
+                }
+                return Err(error);
+            }
+        }
+        self.system.set_solver(self.system.solver())?;
+        self.state.clone_from(&snapshot.state);
+        self.forces = snapshot.forces;
+        self.time_step = snapshot.time_step;
+        self.frame = snapshot.frame;
+        Ok(())
+    }
+}
+
+fn check_time_step(value: f32) -> Result<(), SimError> {
+    if value > 0.0 && value <= 1000.0 { Ok(()) } else { Err(SimError::TimeStep { value }) }
+}

@@ -1,0 +1,120 @@
+//! The facade: what stays, what is refused, what resumes.
+
+use vivace_sim::scene::{Attach, Select, beam, tablecloth};
+use vivace_sim::{
+    Budget, Framework, ModelError, Scene, SimError, Simulation, Snapshot, Solver, State, Vec3, Wind,
+};
+
+fn held() -> Scene {
+    let mut scene = tablecloth(12);
+    let select = Select::Vertices(vec![143, 132]);
+    scene.bodies[0].attachments = vec![Attach { select, stiffness: 100.0, offset: Vec3::Y * 0.1 }];
+    scene
+}
+
+fn bits(state: &State) -> Vec<u32> {
+    let all = state.positions.iter().chain(&state.velocities);
+    all.flat_map(|v| v.to_array().map(f32::to_bits)).collect()
+}
+
+#[test]
+fn a_snapshot_resumes_bit_for_bit() {
+    let pd = Solver::default();
+    let xpbd = Solver { framework: Framework::PositionBased, ..pd };
+    let small = Solver { substeps: 4, ..pd };
+    for (scene, solver) in [(held(), pd), (held(), xpbd), (held(), small)] {
+        let budget = Budget::iterations(12);
+        let mut whole = Simulation::new(&scene, solver).unwrap();
+        whole.forces_mut().wind = Some(Wind { velocity: Vec3::new(0.1, 0.0, 3.0), drag: 0.3 });
+        whole.set_target(1, Vec3::new(0.3, 0.2, 0.1)).unwrap();
+        let mut text = String::new();
+        for frame in 0..10 {
+            if frame == 5 {
+                text = whole.snapshot().to_json().unwrap();
+            }
+            whole.step(budget).unwrap();
+        }
+        let mut resumed = Simulation::new(&scene, solver).unwrap();
+        resumed.restore(&Snapshot::from_json(&text).unwrap()).unwrap();
+        assert_eq!((resumed.frame(), resumed.forces()), (5, whole.forces()));
+        for _ in 0..5 {
+            resumed.step(budget).unwrap();
+        }
+        assert_eq!(bits(resumed.state()), bits(whole.state()));
+        assert_eq!(resumed.snapshot(), whole.snapshot());
+        // Backwards, too.
+        whole.restore(&Snapshot::from_json(&text).unwrap()).unwrap();
+        assert_ne!(bits(resumed.state()), bits(whole.state()));
+    }
+}
+
+#[test]
+fn every_kind_of_number_survives_json() {
+    let mut word = 0x9e37_79b9_u32;
+    let mut draw = || {
+        word = word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let number = f32::from_bits(word);
+        if number.is_finite() { number } else { -0.0 }
+    };
+    let mut snapshot = Simulation::new(&held(), Solver::default()).unwrap().snapshot();
+    snapshot.state = State::at_rest((0..100_000).map(|_| Vec3::new(draw(), draw(), draw())).collect());
+    let back = Snapshot::from_json(&snapshot.to_json().unwrap()).unwrap();
+    assert_eq!(bits(&back.state), bits(&snapshot.state));
+}
+
+#[test]
+fn a_bad_state_names_its_particle_and_changes_nothing() {
+    let mut simulation = Simulation::new(&held(), Solver::default()).unwrap();
+    simulation.step(Budget::iterations(3)).unwrap();
+    let before = simulation.snapshot();
+    for bad in [f32::NAN, f32::INFINITY, 1e30] {
+        let mut state = simulation.state().clone();
+        state.velocities[17].y = bad;
+        let error = simulation.set_state(state).unwrap_err();
+        assert!(matches!(error, SimError::Model(ModelError::NotFinite { particle: 17, .. })), "{error}");
+    }
+    assert!(simulation.set_state(State::at_rest(vec![Vec3::ZERO])).is_err());
+    assert!(simulation.set_target(2, Vec3::ZERO).is_err());
+    assert!(simulation.set_target(0, Vec3::NAN).is_err());
+    assert!(simulation.step(Budget::default()).is_err());
+    assert_eq!(simulation.snapshot(), before);
+    simulation.forces_mut().damping = -1.0;
+    assert!(simulation.step(Budget::iterations(1)).is_err());
+    assert_eq!(simulation.state(), &before.state);
+}
+
+#[test]
+fn a_snapshot_that_does_not_fit_changes_nothing() {
+    let mut simulation = Simulation::new(&held(), Solver::default()).unwrap();
+    let before = simulation.snapshot();
+    let changes: [(fn(&mut Snapshot), &str); 6] = [
+        (|s| s.state = State::at_rest(vec![Vec3::ZERO]), "1 particles"),
+        (|s| s.targets.truncate(1), "1 attachments"),
+        (|s| s.targets[1] = Vec3::NAN, "target"),
+        (|s| s.state.positions[3] = Vec3::NAN, "particle 3"),
+        (|s| s.time_step = 0.0, "time step is 0"),
+        (|s| s.forces.gravity = Vec3::NAN, "gravity"),
+    ];
+    for (change, words) in changes {
+        let mut snapshot = before.clone();
+        snapshot.targets[0] = Vec3::ONE;
+        change(&mut snapshot);
+        let error = simulation.restore(&snapshot).unwrap_err().to_string();
+        assert!(error.contains(words), "{words}: {error}");
+        assert_eq!(simulation.snapshot(), before);
+    }
+    let error = Snapshot::from_json("{\n \"frame\": -1}").unwrap_err().to_string();
+    assert!(error.starts_with("line 2, column 12"), "{error}");
+}
+
+#[test]
+fn a_beam_of_tetrahedra_sinks_and_keeps_its_end() {
+    let mut simulation = Simulation::new(&beam(), Solver::default()).unwrap();
+    let before = simulation.positions().to_vec();
+    for _ in 0..3 {
+        simulation.step(Budget::iterations(10)).unwrap();
+    }
+    assert_eq!(simulation.positions()[0], before[0]);
+    assert!(simulation.positions()[35].y < before[35].y - 1e-3);
+    assert!((simulation.time() - 0.1).abs() < 1e-6);
+}
