@@ -31,7 +31,11 @@ impl ModelBuilder {
     /// Arrays of different lengths; positions that are not finite; too many particles.
     pub fn particles(&mut self, positions: &[Vec3], masses: &[f32]) -> Result<u32, ModelError> {
         if positions.len() != masses.len() {
-            return Err(ModelError::Length { what: "masses", expected: positions.len(), found: masses.len() });
+            return Err(ModelError::Length {
+                what: "masses",
+                expected: positions.len(),
+                found: masses.len(),
+            });
         }
         if let Some(particle) = positions.iter().position(|p| !p.is_finite()) {
             return Err(ModelError::NotFinite { what: "positions", particle, value: positions[particle] });
@@ -225,7 +229,7 @@ impl ModelBuilder {
         for &particle in &self.pinned {
             self.masses[particle as usize] = f32::INFINITY;
         }
-        if let Some(particle) = self.masses.iter().position(|&mass| !(mass > 0.0)) {
+        if let Some(particle) = self.masses.iter().position(|&mass| mass.is_nan() || mass <= 0.0) {
             return Err(ModelError::Mass { particle, mass: self.masses[particle] });
         }
         let model = Model::from_parts(self.masses, self.constraints, self.surface);

@@ -47,7 +47,11 @@ pub trait KindVisitor {
 /// As [`KindVisitor`], for changing rest data (never the number of constraints, nor their particles).
 pub trait KindVisitorMut {
     /// Sees the rest data of one kind.
-    fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(&mut self, particles: &[[u32; N]], rest: &mut [C]);
+    fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(
+        &mut self,
+        particles: &[[u32; N]],
+        rest: &mut [C],
+    );
 }
 
 /// Declares the stores: the one list of kinds outside `shaders/constraint/`.

@@ -17,7 +17,9 @@ pub enum ModelError {
         need: &'static str,
     },
     /// An element names a particle that does not exist.
-    #[error("{kind} {element} names particle {particle}, but there are only {n_particles}: check the indices")]
+    #[error(
+        "{kind} {element} names particle {particle}, but there are only {n_particles}: check the indices"
+    )]
     Index {
         /// Kind of the element.
         kind: &'static str,
@@ -39,7 +41,9 @@ pub enum ModelError {
         particles: Vec<u32>,
     },
     /// A particle has a mass that cannot be simulated.
-    #[error("particle {particle} has mass {mass} kg; a mass must be positive (infinite: pinned). Is the particle part of any element?")]
+    #[error(
+        "particle {particle} has mass {mass} kg; a mass must be positive (infinite: pinned). Is the particle part of any element?"
+    )]
     Mass {
         /// The particle.
         particle: usize,
@@ -57,7 +61,9 @@ pub enum ModelError {
         found: usize,
     },
     /// A position or velocity is not finite, or too large to be squared.
-    #[error("the {what} hold {value} at particle {particle}: not finite or beyond 1e12. The state was left as it was")]
+    #[error(
+        "the {what} hold {value} at particle {particle}: not finite or beyond 1e12. The state was left as it was"
+    )]
     NotFinite {
         /// The array.
         what: &'static str,

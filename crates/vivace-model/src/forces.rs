@@ -55,7 +55,13 @@ impl Forces {
     }
 
     /// Adds what the wind does to each particle \[m/s²\] at these positions \[m\] and velocities \[m/s\].
-    pub fn add_wind(&self, model: &Model, positions: &[Vec3], velocities: &[Vec3], accelerations: &mut [Vec3]) {
+    pub fn add_wind(
+        &self,
+        model: &Model,
+        positions: &[Vec3],
+        velocities: &[Vec3],
+        accelerations: &mut [Vec3],
+    ) {
         let Some(wind) = self.wind else { return };
         for triangle in model.surface() {
             let [a, b, c] = triangle.map(|p| positions[p as usize]);

@@ -35,7 +35,7 @@ impl State {
             if values.len() != n {
                 return Err(ModelError::Length { what, expected: n, found: values.len() });
             }
-            let bad = |v: &Vec3| !(v.abs().max_element() <= MAX_POSITION) || v.is_nan();
+            let bad = |v: &Vec3| v.is_nan() || v.abs().max_element() > MAX_POSITION;
             if let Some(particle) = values.iter().position(bad) {
                 return Err(ModelError::NotFinite { what, particle, value: values[particle] });
             }

@@ -27,7 +27,9 @@ pub enum SolverError {
     #[error("the budget has no bound that is sure to end: set iterations or seconds")]
     NoBudget,
     /// A combination that does not exist.
-    #[error("{relaxation} works in Projective Dynamics only; take another relaxation for Position Based Dynamics")]
+    #[error(
+        "{relaxation} works in Projective Dynamics only; take another relaxation for Position Based Dynamics"
+    )]
     NotPositionBased {
         /// The relaxation.
         relaxation: &'static str,
@@ -36,13 +38,17 @@ pub enum SolverError {
     #[error("the direct solver is not built in: enable the feature `direct`")]
     NoDirect,
     /// Y could not be factored.
-    #[error("the matrix of the global step could not be factored ({reason}): masses or weights are too far apart")]
+    #[error(
+        "the matrix of the global step could not be factored ({reason}): masses or weights are too far apart"
+    )]
     Factor {
         /// What the factorisation said.
         reason: String,
     },
     /// The step ended outside the range of `f32`.
-    #[error("particle {particle} left the range of numbers; the state was left as it was. Take a smaller step, or a solver with safeguard")]
+    #[error(
+        "particle {particle} left the range of numbers; the state was left as it was. Take a smaller step, or a solver with safeguard"
+    )]
     Diverged {
         /// The first particle that is not finite.
         particle: usize,

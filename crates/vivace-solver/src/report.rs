@@ -9,14 +9,19 @@ pub struct StepReport {
     pub iterations: u32,
     /// Colors of the sweeps; 0 where the relaxation needs none.
     pub colors: u32,
-    /// Root mean square distance that the last iteration moved the particles \[m\].
+    /// Root mean square distance that the last iteration moved the particles \[m\]. NaN without a tolerance in the budget.
     pub last_move: f32,
-    /// Objective of the time step \[J\] at its end: inertia and energy of the constraints. Only where [`Solver::safeguard`] or
-    /// [`System::measure`] asks for it; NaN otherwise.
+    /// Objective of the time step at its end \[J\]: inertia and energy of the constraints. NaN unless [`Solver::safeguard`] or
+    /// [`System::set_measuring`] asks for it.
     ///
     /// [`Solver::safeguard`]: crate::Solver::safeguard
-    /// [`System::measure`]: crate::System::measure
+    /// [`System::set_measuring`]: crate::System::set_measuring
     pub objective: f64,
+    /// Root mean square force that is out of balance at the end, over the free particles \[N\]: the gradient of the objective. NaN
+    /// unless [`System::set_measuring`] asks for it.
+    ///
+    /// [`System::set_measuring`]: crate::System::set_measuring
+    pub residual: f64,
     /// How often the safeguard took back an iteration and lowered the acceleration.
     pub backoffs: u32,
     /// Time per phase.

@@ -175,7 +175,9 @@ impl Solver {
                 rho(r)?;
                 in_range("gamma", gamma, gamma > 0.0 && gamma <= 1.0, "above 0 and at most 1")
             }
-            Relaxation::SymmetricChebyshev { rho: r } | Relaxation::ChebyshevGaussSeidel { rho: r, .. } => rho(r),
+            Relaxation::SymmetricChebyshev { rho: r } | Relaxation::ChebyshevGaussSeidel { rho: r, .. } => {
+                rho(r)
+            }
             Relaxation::ConjugateGradient { .. } | Relaxation::Direct
                 if self.framework == Framework::PositionBased =>
             {

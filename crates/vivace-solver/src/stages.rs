@@ -50,6 +50,9 @@ pub trait Stages {
     /// The objective g(q) that the time step minimises \[J\]: inertia and the energy of the constraints.
     fn objective(&self) -> f64;
 
+    /// Root mean square of the objective's gradient over the free particles \[N\].
+    fn residual(&mut self) -> f64;
+
     /// Keeps q to come back to.
     fn save(&mut self);
 

@@ -42,8 +42,8 @@ pub(crate) fn solve(
 ) {
     let most = budget.iterations.unwrap_or(u32::MAX);
     let mut schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
-    let mut safeguard = (solver.safeguard && most > 0 && schedule.is_accelerated())
-        .then(|| Safeguard::begin(stages));
+    let mut safeguard =
+        (solver.safeguard && most > 0 && schedule.is_accelerated()).then(|| Safeguard::begin(stages));
     let solve_start = Instant::now();
     let (mut k, mut backoffs) = (0, 0);
     report.stop = Stop::Iterations;

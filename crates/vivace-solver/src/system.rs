@@ -8,7 +8,7 @@ use vivace_model::{Forces, Model, ModelError, State};
 use crate::pbd::PositionBased;
 use crate::pd::ProjectiveDynamics;
 use crate::step::{Ease, solve};
-use crate::{Budget, Framework, Relaxation, Solver, SolverError, StepReport};
+use crate::{Budget, Framework, Relaxation, Solver, SolverError, Stages, StepReport};
 
 /// A model with everything that does not change from frame to frame: coloring, matrix, scratch. A step allocates nothing after the
 /// first of its size.
@@ -20,6 +20,7 @@ pub struct System {
     solver: Solver,
     engine: Engine,
     ease: Ease,
+    is_measuring: bool,
     /// Positions before the (sub)step, predicted, and after it; velocities and accelerations.
     before: Vec<Vec3>,
     predicted: Vec<Vec3>,
@@ -58,6 +59,7 @@ impl System {
             solver,
             engine,
             ease: Ease::default(),
+            is_measuring: false,
             before: zeros(),
             predicted: zeros(),
             after: zeros(),
@@ -89,6 +91,11 @@ impl System {
         self.solver = solver;
         self.ease = Ease::default();
         Ok(())
+    }
+
+    /// Whether each step reports its objective and residual, which takes about as long as two iterations.
+    pub fn set_measuring(&mut self, is_on: bool) {
+        self.is_measuring = is_on;
     }
 
     /// Moves the target of attachment `idx` \[m\]: dragging.
@@ -138,13 +145,22 @@ impl System {
         forces.check()?;
         state.check(&self.model)?;
         if !(h > 0.0 && h <= MAX_STEP) {
-            return Err(SolverError::Setting { what: "the time step [s]", value: f64::from(h), need: "above 0, at most 1000" });
+            return Err(SolverError::Setting {
+                what: "the time step [s]",
+                value: f64::from(h),
+                need: "above 0, at most 1000",
+            });
         }
         self.before.copy_from_slice(&state.positions);
         self.velocities.copy_from_slice(&state.velocities);
         let n_substeps = self.solver.substeps.min(budget.iterations.unwrap_or(u32::MAX)).max(1);
         let small_h = h / n_substeps as f32;
-        let mut report = StepReport { objective: f64::NAN, last_move: f32::NAN, ..StepReport::default() };
+        let mut report = StepReport {
+            objective: f64::NAN,
+            residual: f64::NAN,
+            last_move: f32::NAN,
+            ..StepReport::default()
+        };
         if let Engine::ProjectiveDynamics(pd) = &mut self.engine {
             pd.prepare(small_h)?;
         }
@@ -175,11 +191,13 @@ impl System {
             Engine::ProjectiveDynamics(pd) => {
                 pd.begin(&self.predicted);
                 solve(&mut **pd, &self.solver, budget, start, &mut self.ease, report);
+                measure(self.is_measuring, &mut **pd, report);
                 pd.end(&mut self.after);
             }
             Engine::PositionBased(pbd) => {
                 pbd.begin(h, &self.predicted);
                 solve(&mut **pbd, &self.solver, budget, start, &mut self.ease, report);
+                measure(self.is_measuring, &mut **pbd, report);
                 pbd.end(&mut self.after);
             }
         }
@@ -217,6 +235,13 @@ impl System {
             Framework::PositionBased => "xpbd",
         };
         format!("{framework} {}", Relaxation::name(&self.solver.relaxation))
+    }
+}
+
+fn measure(is_measuring: bool, stages: &mut impl Stages, report: &mut StepReport) {
+    if is_measuring {
+        report.objective = stages.objective();
+        report.residual = stages.residual();
     }
 }
 

@@ -23,6 +23,8 @@ pub(super) trait Kind: Send + Sync + std::fmt::Debug {
     fn relax_in_order(&mut self, omega: f32, w: &[f32], q: &mut [Vec3A]);
     /// Their energy w C² / 2 \[J\].
     fn energy(&self, q: &[Vec3A]) -> f64;
+    /// Adds the gradient of their energy, w C ∇C, to each particle \[N\].
+    fn add_gradient(&self, q: &[Vec3A], sums: &mut [Vec3A]);
     /// Counts the constraints of each particle.
     fn count(&self, counts: &mut [f32]);
     /// Moves the target of attachment `idx` of the model, if this kind is that of attachments.
@@ -125,7 +127,13 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
         let xpbd = Xpbd { inverse_masses: w, squared_h: self.h * self.h, omega };
         for &k in &self.place {
             let one = k as usize..k as usize + 1;
-            C::correct_all(&self.rest[one.clone()], &self.particles[one.clone()], &xpbd, q, &mut self.lambdas[one]);
+            C::correct_all(
+                &self.rest[one.clone()],
+                &self.particles[one.clone()],
+                &xpbd,
+                q,
+                &mut self.lambdas[one],
+            );
         }
     }
 
@@ -134,6 +142,15 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
             let (c, _) = self.rest[k].deviation(&self.particles[k].map(|p| q[p as usize].into()));
             0.5 * f64::from(self.rest[k].weight()) * f64::from(c) * f64::from(c)
         })
+    }
+
+    fn add_gradient(&self, q: &[Vec3A], sums: &mut [Vec3A]) {
+        for (particles, rest) in self.particles.iter().zip(&self.rest) {
+            let (c, gradient) = rest.deviation(&particles.map(|p| q[p as usize].into()));
+            for (&p, gradient) in particles.iter().zip(gradient) {
+                sums[p as usize] += Vec3A::from(gradient) * (rest.weight() * c);
+            }
+        }
     }
 
     fn count(&self, counts: &mut [f32]) {

@@ -171,9 +171,25 @@ impl Stages for PositionBased {
     fn objective(&self) -> f64 {
         let inertia = sum_in_pieces(self.q.len(), |i| {
             let squared = f64::from((self.q[i] - self.predicted[i]).length_squared());
-            if self.w[i] > 0.0 { squared / (2.0 * f64::from(self.w[i]) * f64::from(self.h * self.h)) } else { 0.0 }
+            if self.w[i] > 0.0 {
+                squared / (2.0 * f64::from(self.w[i]) * f64::from(self.h * self.h))
+            } else {
+                0.0
+            }
         });
         inertia + self.kinds.iter().map(|kind| kind.energy(&self.q)).sum::<f64>()
+    }
+
+    fn residual(&mut self) -> f64 {
+        self.sums.fill(Vec3A::ZERO);
+        self.kinds.iter().for_each(|kind| kind.add_gradient(&self.q, &mut self.sums));
+        let squared_h = self.h * self.h;
+        let of = |i: usize| {
+            let inertia = (self.q[i] - self.predicted[i]) / (self.w[i] * squared_h);
+            if self.w[i] > 0.0 { f64::from((inertia + self.sums[i]).length_squared()) } else { 0.0 }
+        };
+        let n_free = self.w.iter().filter(|w| **w > 0.0).count();
+        (sum_in_pieces(self.q.len(), of) / n_free.max(1) as f64).sqrt()
     }
 
     fn save(&mut self) {

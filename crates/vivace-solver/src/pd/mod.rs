@@ -21,8 +21,8 @@ use crate::{Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverErro
 use layout::Layout;
 use pass::{Pass, Passes};
 use rows::Rows;
-use sweep::{Vertices, fill};
 pub(crate) use sweep::{GRAIN, sum_in_pieces};
+use sweep::{Vertices, fill};
 
 /// A model prepared for Projective Dynamics, and the positions while a step is solved.
 #[derive(Debug)]
@@ -227,7 +227,9 @@ impl ProjectiveDynamics {
                 passes.iter().for_each(|pass| pass.add_to_block(i, q, &mut block));
                 solve_block(block, vertices.fused(i, q, pulls[i]), vertices.inverse_diagonal[i])
             }),
-            (false, _) => fill(range, out, |i| vertices.linear(i, q, pulls[i]) * vertices.inverse_diagonal[i]),
+            (false, _) => {
+                fill(range, out, |i| vertices.linear(i, q, pulls[i]) * vertices.inverse_diagonal[i]);
+            }
         }
         self.next = next;
     }
@@ -371,6 +373,17 @@ impl Stages for ProjectiveDynamics {
         let vertices = self.vertices();
         let rows = sum_in_pieces(self.layout.n_free, |i| vertices.objective(i, &self.q));
         rows + self.passes.iter().map(|pass| pass.energy(&self.q)).sum::<f64>()
+    }
+
+    fn residual(&mut self) -> f64 {
+        let mut pulls = std::mem::take(&mut self.pulls);
+        pulls.fill(Vec3A::ZERO);
+        let n = self.layout.n_free;
+        self.passes.iter().for_each(|pass| pass.pull_fused(0..n, &self.q, &mut pulls));
+        let vertices = self.vertices();
+        let sum = sum_in_pieces(n, |i| f64::from(vertices.fused(i, &self.q, pulls[i]).length_squared()));
+        self.pulls = pulls;
+        (sum / n.max(1) as f64).sqrt()
     }
 
     fn save(&mut self) {

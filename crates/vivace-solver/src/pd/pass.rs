@@ -115,7 +115,11 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N
         let piece = |(piece, projected): (usize, &mut [[Vec3; R]])| {
             let first = piece * GRAIN;
             let range = first..first + projected.len();
-            C::project_all(&rest[range.clone()], |k| particles[range.start + k].map(|p| q[p as usize].into()), projected);
+            C::project_all(
+                &rest[range.clone()],
+                |k| particles[range.start + k].map(|p| q[p as usize].into()),
+                projected,
+            );
         };
         if rayon::current_num_threads() == 1 {
             self.projected.chunks_mut(GRAIN).enumerate().for_each(piece);

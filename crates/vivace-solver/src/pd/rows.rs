@@ -77,7 +77,9 @@ impl KindVisitor for Gather<'_> {
             for (a, &i) in particles.iter().enumerate() {
                 self.diagonal[i as usize] += f64::from(rest.entry(a, a));
                 for (b, &j) in particles.iter().enumerate() {
-                    if a != b && let Some(entry) = self.entry(i, j) {
+                    if a != b
+                        && let Some(entry) = self.entry(i, j)
+                    {
                         let weight = -f64::from(rest.entry(a, b));
                         entry.weight += weight;
                         entry.linear += if rest.is_linear() { weight } else { 0.0 };
@@ -90,7 +92,10 @@ impl KindVisitor for Gather<'_> {
 
 impl Rows {
     /// Rows from constraints. `graph` is the model's.
-    #[expect(clippy::cast_possible_truncation, reason = "matrices are f32; entries fit 32 bits as those of the graph do")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "matrices are f32; entries fit 32 bits as those of the graph do"
+    )]
     pub(crate) fn new(model: &Model, graph: &ConstraintGraph, layout: &Layout) -> Self {
         let entries = vec![Entry::default(); graph.csr().len()];
         let mut gather = Gather { graph, entries, diagonal: vec![0.0; model.n_particles()] };

@@ -105,7 +105,9 @@ fn eased(relaxation: Relaxation, ease: u32) -> Relaxation {
             gamma: if ease > 4 { gamma * half * 16.0 } else { gamma },
             delay,
         },
-        Relaxation::GaussSeidel { omega, base } => Relaxation::GaussSeidel { omega: towards_one(omega), base },
+        Relaxation::GaussSeidel { omega, base } => {
+            Relaxation::GaussSeidel { omega: towards_one(omega), base }
+        }
         Relaxation::SymmetricChebyshev { rho } => Relaxation::SymmetricChebyshev { rho: away_from_one(rho) },
         Relaxation::ChebyshevGaussSeidel { rho, delay } => {
             Relaxation::ChebyshevGaussSeidel { rho: away_from_one(rho), delay }
