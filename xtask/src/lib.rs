@@ -7,3 +7,4 @@ pub mod extremes;
 pub mod figures;
 pub mod picture;
 pub mod report;
+pub mod tradeoff;

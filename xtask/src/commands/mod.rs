@@ -8,6 +8,7 @@ pub mod fuzz;
 pub mod inspect;
 pub mod reproduce_figures;
 pub mod test;
+pub mod tradeoff;
 
 mod input;
 mod output;
