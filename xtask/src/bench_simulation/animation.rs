@@ -37,25 +37,27 @@ struct Running {
 /// Frames that one setting runs before the next has its turn: caches are its own after the first.
 const TURN: u32 = 10;
 
-fn settings() -> Vec<(String, u32, u32, Solver)> {
+/// Name, steps per second, iterations of a step, solver; and whether the cloth resists bending.
+fn settings() -> Vec<(String, u32, u32, Solver, bool)> {
     let direct = Solver { relaxation: Relaxation::Direct, ..gauss_seidel(1.0) };
     let mut all = Vec::new();
     for rate in [60, 30] {
         for iterations in [1, 2, 4] {
-            all.push((format!("PD direct, {iterations}"), rate, iterations, direct));
+            all.push((format!("PD direct, {iterations}"), rate, iterations, direct, true));
         }
     }
-    all.push(("PD direct, 2 substeps of 1".to_owned(), 60, 2, Solver { substeps: 2, ..direct }));
-    all.push(("PD direct, 20 (converged)".to_owned(), 60, 20, direct));
+    all.push(("PD direct, 2 substeps of 1".to_owned(), 60, 2, Solver { substeps: 2, ..direct }, true));
+    all.push(("PD direct, 20 (converged)".to_owned(), 60, 20, direct, true));
     for substeps in [10, 20, 30] {
         let kinds = [
-            ("XPBD", position_based()),
-            ("PD GS", gauss_seidel(1.0)),
-            ("PD blocks GS", blocks(gauss_seidel(1.0))),
+            ("XPBD springs only", position_based(), false),
+            ("XPBD", position_based(), true),
+            ("PD GS", gauss_seidel(1.0), true),
+            ("PD blocks GS", blocks(gauss_seidel(1.0)), true),
         ];
-        for (name, solver) in kinds {
+        for (name, solver, is_bending) in kinds {
             let solver = Solver { substeps, ..solver };
-            all.push((format!("{name}, {substeps} substeps of 1"), 60, substeps, solver));
+            all.push((format!("{name}, {substeps} substeps of 1"), 60, substeps, solver, is_bending));
         }
     }
     all.push((
@@ -63,6 +65,7 @@ fn settings() -> Vec<(String, u32, u32, Solver)> {
         60,
         20,
         Solver { safeguard: true, ..gauss_seidel(1.7) },
+        true,
     ));
     all
 }
@@ -70,9 +73,11 @@ fn settings() -> Vec<(String, u32, u32, Solver)> {
 /// Animates all settings in turns.
 pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Animation>, FigureError> {
     let (model, start) = scenes::cloth(sizes.cloths[0], 100.0, true)?;
+    let (springs, _) = scenes::cloth(sizes.cloths[0], 100.0, false)?;
     let mut plain = Plain::new(&model, STEP)?;
     let mut running = Vec::new();
-    for (name, rate, iterations, solver) in settings() {
+    for (name, rate, iterations, solver, is_bending) in settings() {
+        let model = if is_bending { &model } else { &springs };
         let system = System::new(model.clone(), solver)?;
         running.push(Running { name, rate, iterations, system, state: start.clone(), is_lost: false });
     }

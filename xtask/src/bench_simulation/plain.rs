@@ -68,13 +68,11 @@ impl Plain {
             let mut sum = self.b[i];
             for k in self.offsets[i] as usize..self.offsets[i + 1] as usize {
                 let q = self.x[self.columns[k] as usize];
-                for c in 0..3 {
-                    sum[c] += self.weights[k] * q[c];
+                for (sum, q) in sum.iter_mut().zip(q) {
+                    *sum += self.weights[k] * q;
                 }
             }
-            for c in 0..3 {
-                self.x[i][c] = sum[c] * self.inverse_diagonal[i];
-            }
+            self.x[i] = sum.map(|sum| sum * self.inverse_diagonal[i]);
         }
     }
 

@@ -195,7 +195,7 @@ fn copy(pool: &ThreadPool, (from, to): &mut (Vec<f32>, Vec<f32>)) -> f64 {
     let piece = from.len().div_ceil(pool.current_num_threads());
     let start = Instant::now();
     pool.install(|| {
-        to.par_chunks_mut(piece).zip(from.par_chunks(piece)).for_each(|(to, from)| to.copy_from_slice(from))
+        to.par_chunks_mut(piece).zip(from.par_chunks(piece)).for_each(|(to, from)| to.copy_from_slice(from));
     });
     let seconds = start.elapsed().as_secs_f64();
     std::hint::black_box(to);
