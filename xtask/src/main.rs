@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use xtask::commands::{
-    CommandError, bench_coloring, bench_simulation, color, extremes, fuzz, inspect, reproduce_figures, test,
-    tradeoff,
+    CommandError, bench_coloring, bench_simulation, color, extremes, fuzz, inspect, reproduce_figures,
+    simulate, test, tradeoff,
 };
 
 /// Vivace's chores: the checks of the project, and tools for meshes and graphs of your own.
@@ -20,6 +20,7 @@ struct Cli {
 enum Command {
     ReproduceFigures(reproduce_figures::Args),
     Test(test::Args),
+    Simulate(simulate::Args),
     Tradeoff(tradeoff::Args),
     Inspect(inspect::Args),
     Color(color::Args),
@@ -45,6 +46,7 @@ fn run(command: Command) -> Result<(), CommandError> {
     match command {
         Command::ReproduceFigures(args) => reproduce_figures::run(args),
         Command::Test(args) => test::run(args),
+        Command::Simulate(args) => simulate::run(args),
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Color(args) => color::run(args),

@@ -20,7 +20,8 @@ fn bits(state: &State) -> Vec<u32> {
 #[test]
 fn a_snapshot_resumes_bit_for_bit() {
     let pd = Solver::default();
-    let xpbd = Solver { framework: Framework::PositionBased, ..pd };
+    // A safeguard that eased acceleration before the snapshot does not remember it: see `Simulation::restore`.
+    let xpbd = Solver { framework: Framework::PositionBased, safeguard: false, ..pd };
     let small = Solver { substeps: 4, ..pd };
     for (scene, solver) in [(held(), pd), (held(), xpbd), (held(), small)] {
         let budget = Budget::iterations(12);
@@ -32,7 +33,7 @@ fn a_snapshot_resumes_bit_for_bit() {
             if frame == 5 {
                 text = whole.snapshot().to_json().unwrap();
             }
-            whole.step(budget).unwrap();
+            assert_eq!(whole.step(budget).unwrap().backoffs, 0);
         }
         let mut resumed = Simulation::new(&scene, solver).unwrap();
         resumed.restore(&Snapshot::from_json(&text).unwrap()).unwrap();

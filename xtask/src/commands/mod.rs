@@ -7,6 +7,7 @@ pub mod extremes;
 pub mod fuzz;
 pub mod inspect;
 pub mod reproduce_figures;
+pub mod simulate;
 pub mod test;
 pub mod tradeoff;
 

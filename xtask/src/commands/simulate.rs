@@ -1,0 +1,219 @@
+//! `cargo xtask simulate`: runs a scene; meshes, measures and pictures to a folder.
+
+mod frames;
+mod strain;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use vivace_scene::Scene;
+use vivace_sim::{Budget, SimError, Simulation, Snapshot, Solver, StepReport, Stop};
+
+use super::{CommandError, output};
+use crate::report::Progress;
+use frames::{Album, Format};
+use strain::Strain;
+
+/// Run a scene: meshes, measures and pictures to a folder
+///
+/// SCENE is a .ron or .json file, or the name of a ready-made scene: tablecloth,
+/// armadillo, beam, flag (their files are in assets/scenes). DIR gets frames.csv, a
+/// row for each frame, and a mesh of the start and of every Mth frame. Under
+/// --iterations the result is the same on every run and any number of threads.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Args {
+    /// A scene file, or the name of a ready-made scene
+    scene: PathBuf,
+    /// How many frames to simulate
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    frames: u64,
+    /// Folder of the results [default: out/simulate in the workspace]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Time for each frame [ms], instead of a number of iterations
+    #[arg(long, value_name = "X", conflicts_with = "iterations")]
+    budget_ms: Option<f64>,
+    /// Iterations for each frame
+    #[arg(long, value_name = "K", default_value_t = 20)]
+    iterations: u32,
+    /// The solver: a .ron or .json file, or JSON like '{"substeps": 4}'
+    #[arg(long, value_name = "SOLVER")]
+    solver: Option<String>,
+    /// Form of the meshes; vtk has the tetrahedra, obj the surface
+    #[arg(long, value_enum, default_value_t = Format::Obj)]
+    format: Format,
+    /// Write every Mth frame
+    #[arg(long, value_name = "M", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+    /// Write a picture (PNG) of every Mth frame
+    #[arg(long)]
+    pictures: bool,
+    /// Write an animation (animation.png, in APNG form) of every Mth frame
+    #[arg(long)]
+    animation: bool,
+    /// Keep the end as JSON, for --resume
+    #[arg(long, value_name = "FILE")]
+    snapshot: Option<PathBuf>,
+    /// Go on from a file that --snapshot wrote, in the same scene
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+    /// Say nothing
+    #[arg(long)]
+    quiet: bool,
+}
+
+const COLUMNS: [&str; 12] = [
+    "frame",
+    "time_s",
+    "iterations",
+    "colors",
+    "objective",
+    "last_move_m",
+    "backoffs",
+    "solve_ms",
+    "total_ms",
+    "mean_strain",
+    "max_strain",
+    "stop",
+];
+
+/// Reads, simulates, writes.
+///
+/// # Errors
+/// A scene, solver or snapshot that is refused; a step that diverges; a file that cannot be written.
+pub fn run(args: Args) -> Result<(), CommandError> {
+    let mut progress = if args.quiet { Progress::silent() } else { Progress::new() };
+    let solver = args.solver.as_deref().map_or_else(|| Ok(Solver::default()), solver)?;
+    let (scene, folder) = scene(&args.scene)?;
+    let mut simulation =
+        Simulation::new_in(&scene, &folder, solver).map_err(|error| failed(&args.scene, &error))?;
+    let strain = Strain::at_rest(simulation.model(), simulation.positions());
+    if let Some(path) = &args.resume {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            CommandError::Failed(format!(
+                "cannot read {}: {error}; give --resume a file that --snapshot wrote",
+                path.display()
+            ))
+        })?;
+        let restored = Snapshot::from_json(&text).and_then(|snapshot| simulation.restore(&snapshot));
+        restored.map_err(|error| failed(path, &error))?;
+    }
+    let budget = match args.budget_ms {
+        Some(ms) => Budget::milliseconds(ms),
+        None => Budget::iterations(args.iterations),
+    };
+    budget.check().map_err(|error| CommandError::Usage(error.to_string()))?;
+
+    let out = args.out.clone().unwrap_or_else(|| super::reproduce_figures::workspace().join("out/simulate"));
+    std::fs::create_dir_all(&out).map_err(|error| cannot_write(&out, &error))?;
+    let mut album = Album::new(&out, args.format, args.pictures, args.animation);
+    let path = out.join("frames.csv");
+    let csv_failed = |error: csv::Error| cannot_write(&out.join("frames.csv"), &error);
+    let mut table = csv::Writer::from_path(&path).map_err(csv_failed)?;
+    table.write_record(COLUMNS).map_err(csv_failed)?;
+
+    // A line for each frame would be too many where there is no bar.
+    let stride = args.frames.div_ceil(50).max(1);
+    let name = if scene.name.is_empty() { "simulate" } else { &scene.name };
+    progress.figure(name, args.frames.div_ceil(stride));
+    album.add(&simulation)?;
+    for done in 0..args.frames {
+        let frame = simulation.frame() + 1;
+        if done % stride == 0 {
+            progress.step(&format!("frame {frame}"));
+        }
+        let start = Instant::now();
+        let report = simulation.step(budget).map_err(|error| {
+            CommandError::Failed(format!(
+                "frame {frame}: {error}. {} holds the frames before",
+                path.display()
+            ))
+        })?;
+        let total = start.elapsed().as_secs_f64();
+        let row = row(&simulation, &report, total, strain.measure(simulation.positions()));
+        table.write_record(row).map_err(csv_failed)?;
+        if (done + 1) % args.every == 0 {
+            album.add(&simulation)?;
+        }
+    }
+    table.flush().map_err(|error| cannot_write(&path, &error))?;
+    album.finish(&simulation, args.every, &mut progress)?;
+    if let Some(path) = &args.snapshot {
+        let text = simulation.snapshot().to_json().map_err(|error| failed(path, &error))?;
+        std::fs::write(path, text).map_err(|error| cannot_write(path, &error))?;
+    }
+    progress.done();
+    drop(progress);
+    if args.quiet { Ok(()) } else { output::print(&format!("{}\n", path.display())) }
+}
+
+fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 12] {
+    let stop = match report.stop {
+        Stop::Iterations => "iterations",
+        Stop::Time => "time",
+        Stop::Tolerance => "tolerance",
+    };
+    // What was not measured stays empty.
+    let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value}") };
+    [
+        simulation.frame().to_string(),
+        number(simulation.time()),
+        report.iterations.to_string(),
+        report.colors.to_string(),
+        number(report.objective),
+        number(report.last_move.into()),
+        report.backoffs.to_string(),
+        number(report.times.solve * 1e3),
+        number(total * 1e3),
+        number(mean),
+        number(max),
+        stop.to_owned(),
+    ]
+}
+
+/// The scene, and the folder that its paths are relative to.
+fn scene(path: &Path) -> Result<(Scene, PathBuf), CommandError> {
+    if let Some(scene) = path.to_str().and_then(Scene::named) {
+        return Ok((scene, PathBuf::from(".")));
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    match Scene::load(path) {
+        Ok(scene) => Ok((scene, folder.to_owned())),
+        Err(error) if path.exists() => Err(CommandError::Failed(error.to_string())),
+        Err(error) => {
+            let names = Scene::NAMES.join(", ");
+            Err(CommandError::Failed(format!("{error}; or give the name of a ready-made scene: {names}")))
+        }
+    }
+}
+
+/// A solver from a file or from the argument itself.
+fn solver(argument: &str) -> Result<Solver, CommandError> {
+    let text = argument.trim();
+    let refused = |reason: String| {
+        CommandError::Usage(format!(
+            "--solver {text}: {reason}; give a .ron or .json file, or JSON like '{{\"substeps\": 4}}'"
+        ))
+    };
+    if text.starts_with('{') {
+        return serde_json::from_str(text).map_err(|error| refused(error.to_string()));
+    }
+    let content = std::fs::read_to_string(text).map_err(|error| refused(error.to_string()))?;
+    if Path::new(text).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ron")) {
+        ron::from_str(&content).map_err(|error| refused(error.to_string()))
+    } else {
+        serde_json::from_str(&content).map_err(|error| refused(error.to_string()))
+    }
+}
+
+fn failed(path: &Path, error: &SimError) -> CommandError {
+    CommandError::Failed(format!("{}: {error}", path.display()))
+}
+
+fn cannot_write(path: &Path, error: &dyn std::fmt::Display) -> CommandError {
+    CommandError::Failed(format!(
+        "cannot write {}: {error}; is the folder writable, and is there space left?",
+        path.display()
+    ))
+}
