@@ -68,7 +68,7 @@ pub(crate) fn solve(
         }
         if let Some(tolerance) = budget.tolerance {
             report.last_move = stages.moved();
-            if report.last_move <= tolerance {
+            if report.last_move <= tolerance && schedule.is_settled() {
                 report.stop = Stop::Tolerance;
                 break;
             }

@@ -13,6 +13,11 @@ use crate::pd::{GRAIN, sum_in_pieces};
 
 /// What Position Based Dynamics does with a kind.
 pub(super) trait Kind: Send + Sync + std::fmt::Debug {
+    /// Multipliers go where positions go: see [`Stages`](crate::Stages).
+    fn remember(&mut self);
+    fn extrapolate(&mut self, omega: f32);
+    fn save(&mut self);
+    fn restore(&mut self);
     /// Forgets the multipliers: a time step of `h` \[s\] begins.
     fn begin(&mut self, h: f32);
     /// Projects the constraints of one color, one after another or at once: they share no particle.
@@ -42,6 +47,9 @@ struct KindOf<C, const N: usize, const R: usize> {
     place: Vec<u32>,
     /// Multipliers \[N s²\].
     lambdas: Vec<f32>,
+    remembered: Vec<f32>,
+    previous: Vec<f32>,
+    saved: Vec<f32>,
     h: f32,
     moves: Vec<[Vec3A; N]>,
 }
@@ -82,6 +90,9 @@ impl KindVisitor for Kinds {
             rest: order.iter().map(pick).map(|k| store.rest[k]).collect(),
             place,
             lambdas: vec![0.0; store.len()],
+            remembered: vec![0.0; store.len()],
+            previous: vec![0.0; store.len()],
+            saved: vec![0.0; store.len()],
             h: 1.0,
             moves: vec![[Vec3A::ZERO; N]; store.len()],
         }));
@@ -92,6 +103,29 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
     fn begin(&mut self, h: f32) {
         self.h = h;
         self.lambdas.fill(0.0);
+        self.previous.fill(0.0);
+    }
+
+    fn remember(&mut self) {
+        self.remembered.copy_from_slice(&self.lambdas);
+    }
+
+    fn extrapolate(&mut self, omega: f32) {
+        if omega != 1.0 {
+            for (lambda, previous) in self.lambdas.iter_mut().zip(&self.previous) {
+                *lambda = *previous + omega * (*lambda - *previous);
+            }
+        }
+        std::mem::swap(&mut self.previous, &mut self.remembered);
+    }
+
+    fn save(&mut self) {
+        self.saved.copy_from_slice(&self.lambdas);
+    }
+
+    fn restore(&mut self) {
+        self.lambdas.copy_from_slice(&self.saved);
+        self.previous.copy_from_slice(&self.saved);
     }
 
     fn relax_color(&mut self, color: u32, omega: f32, w: &[f32], q: &mut [Vec3A]) {

@@ -147,6 +147,7 @@ impl Stages for PositionBased {
 
     fn remember(&mut self) {
         self.remembered.copy_from_slice(&self.q);
+        self.kinds.iter_mut().for_each(|kind| kind.remember());
         self.is_extrapolated = false;
     }
 
@@ -157,6 +158,7 @@ impl Stages for PositionBased {
             }
         }
         std::mem::swap(&mut self.previous, &mut self.remembered);
+        self.kinds.iter_mut().for_each(|kind| kind.extrapolate(omega));
         self.is_extrapolated = true;
     }
 
@@ -194,11 +196,13 @@ impl Stages for PositionBased {
 
     fn save(&mut self) {
         self.saved.copy_from_slice(&self.q);
+        self.kinds.iter_mut().for_each(|kind| kind.save());
     }
 
     fn restore(&mut self) {
         self.q.copy_from_slice(&self.saved);
         self.previous.copy_from_slice(&self.saved);
+        self.kinds.iter_mut().for_each(|kind| kind.restore());
         self.is_extrapolated = false;
     }
 }

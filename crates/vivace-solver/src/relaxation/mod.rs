@@ -14,6 +14,8 @@ pub(crate) struct Schedule {
     weights: Weights,
     /// Iterations done since the start, or since acceleration was lowered.
     k: u32,
+    /// Sweeps since the local step; 0 asks for another.
+    sweeps: u32,
     /// Sweeps before over-relaxation begins.
     delay: u32,
 }
@@ -30,7 +32,7 @@ impl Schedule {
             Relaxation::SymmetricChebyshev { rho } => (rho, least_delay),
             _ => (0.0, 0),
         };
-        Self { relaxation, weights: Weights::new(rho, delay), k: 0, delay: least_delay }
+        Self { relaxation, weights: Weights::new(rho, delay), k: 0, sweeps: 0, delay: least_delay }
     }
 
     /// Whether safeguarding can help: plain iterations never raise the objective.
@@ -47,9 +49,11 @@ impl Schedule {
 
     /// One iteration: the body of the loop in Algorithm 1, after the local step where it is apart.
     pub(crate) fn iterate(&mut self, stages: &mut impl Stages) {
-        if self.k.is_multiple_of(stages.n_sweeps()) {
+        if self.sweeps == 0 || self.sweeps >= stages.n_sweeps() {
             stages.project();
+            self.sweeps = 0;
         }
+        self.sweeps += 1;
         match self.relaxation {
             Relaxation::Jacobi { omega } => stages.relax_all(omega),
             Relaxation::Chebyshev { gamma, .. } => {
@@ -81,6 +85,14 @@ impl Schedule {
             Relaxation::Direct => stages.solve_directly(),
         }
         self.k += 1;
+    }
+
+    /// After an iteration that hardly moved: whether the local step was made anew just before it, so that nothing else will move
+    /// either. If not, the next iteration makes it.
+    pub(crate) fn is_settled(&mut self) -> bool {
+        let is_fresh = self.sweeps == 1;
+        self.sweeps = 0;
+        is_fresh
     }
 
     fn ramped(&self, omega: f32) -> f32 {

@@ -1,0 +1,187 @@
+//! How long a step takes, what is refused, and the safeguard.
+
+use glam::Vec3;
+use vivace_model::{Forces, ModelError, State};
+use vivace_solver::{Budget, Framework, Relaxation, Solver, SolverError, Stop, System};
+use vivace_tests::scenes::{STEP, Scene, cloth, gauss_seidel, plain, projective_dynamics, solvers};
+
+fn step(scene: &Scene, solver: Solver, budget: Budget) -> (State, vivace_solver::StepReport) {
+    let (model, mut state) = scene.clone();
+    let report =
+        System::new(model, solver).unwrap().step(&mut state, &Forces::default(), STEP, budget).unwrap();
+    (state, report)
+}
+
+#[test]
+fn iterations_are_counted() {
+    let scene = cloth(6, 100.0, Some(1e-5));
+    for solver in solvers() {
+        for substeps in [1, 3] {
+            for n in [0, 1, 2, 7] {
+                let (_, report) = step(&scene, Solver { substeps, ..solver }, Budget::iterations(n));
+                assert_eq!((report.iterations, report.stop), (n, Stop::Iterations), "{solver:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn time_ends_a_step_and_one_iteration_always_runs() {
+    let scene = cloth(12, 100.0, Some(1e-5));
+    for solver in solvers() {
+        for ms in [0.0, 2.0] {
+            let (state, report) = step(&scene, solver, Budget::milliseconds(ms));
+            assert!(state.positions.iter().all(|q| q.is_finite()), "{solver:?}");
+            assert!(report.iterations >= 1 && report.stop == Stop::Time, "{solver:?} {report:?}");
+            assert!(ms > 0.0 || report.iterations == 1, "{report:?}");
+        }
+        let both = Budget::milliseconds(1e6).and_iterations(5);
+        assert_eq!(step(&scene, solver, both).1.iterations, 5);
+        // A million iterations would take minutes.
+        let both = Budget::iterations(1_000_000).and_milliseconds(2.0);
+        assert_eq!(step(&scene, solver, both).1.stop, Stop::Time);
+    }
+}
+
+#[test]
+fn a_tolerance_ends_a_step() {
+    let scene = cloth(6, 100.0, Some(1e-5));
+    for solver in solvers() {
+        let (state, report) = step(&scene, solver, Budget::tolerance(1e-5).and_iterations(5000));
+        assert_eq!(report.stop, Stop::Tolerance, "{solver:?} {report:?}");
+        assert!(report.last_move <= 1e-5 && report.iterations >= 1, "{solver:?} {report:?}");
+        // Between local steps a tolerance asks for the next one early: only then is it no mere number of iterations.
+        if solver.framework != projective_dynamics()[1] {
+            assert_eq!(state, step(&scene, solver, Budget::iterations(report.iterations)).0, "{solver:?}");
+        }
+        let (_, report) = step(&scene, solver, Budget::tolerance(0.0).and_iterations(3));
+        assert_eq!((report.iterations, report.stop), (3, Stop::Iterations), "{solver:?}");
+    }
+}
+
+/// The farthest that a particle of a hung cloth comes from the origin within 90 frames; infinite when a step fails.
+fn farthest(k: f32, solver: Solver, iterations: u32) -> f32 {
+    let (model, mut state) = cloth(30, k, Some(1e-5));
+    let mut system = System::new(model, solver).unwrap();
+    let mut farthest = 0.0_f32;
+    for _ in 0..90 {
+        let result = system.step(&mut state, &Forces::default(), STEP, Budget::iterations(iterations));
+        if result.is_err() {
+            return f32::INFINITY;
+        }
+        farthest = state.positions.iter().map(|q| q.length()).fold(farthest, f32::max);
+    }
+    farthest
+}
+
+fn accelerated() -> [Relaxation; 2] {
+    [gauss_seidel(1.9), Relaxation::Chebyshev { rho: 0.999, gamma: 2.0 / 3.0, delay: 0 }]
+}
+
+/// Energy cannot come from nowhere: in free fall for 3 s a particle gets 45 m far.
+const BOUND: f32 = 50.0;
+
+#[test]
+fn the_safeguard_keeps_acceleration_bounded() {
+    for relaxation in accelerated() {
+        for k in [1.0, 10.0, 100.0, 1000.0] {
+            for iterations in [4, 10, 20] {
+                let solver = Solver { safeguard: true, ..plain(relaxation) };
+                let far = farthest(k, solver, iterations);
+                assert!(far < BOUND, "{relaxation:?} k = {k}, {iterations} iterations: {far} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn acceleration_blows_up_without_the_safeguard() {
+    let all = accelerated().map(|relaxation| (relaxation, farthest(100.0, plain(relaxation), 10)));
+    println!("{all:?}");
+    assert!(all.iter().any(|&(_, far)| far > BOUND), "{all:?}");
+}
+
+fn refused(change: impl FnOnce(&mut State), forces: &Forces, h: f32, budget: Budget) -> SolverError {
+    let (model, mut state) = cloth(5, 100.0, None);
+    change(&mut state);
+    let before = state.clone();
+    let error =
+        System::new(model, Solver::default()).unwrap().step(&mut state, forces, h, budget).unwrap_err();
+    let bits =
+        |values: &[Vec3]| values.iter().flat_map(|v| v.to_array()).map(f32::to_bits).collect::<Vec<_>>();
+    assert_eq!(bits(&before.positions), bits(&state.positions));
+    assert_eq!(bits(&before.velocities), bits(&state.velocities));
+    error
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused() {
+    let (forces, one) = (Forces::default(), Budget::iterations(1));
+    for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, 2e12] {
+        let error = refused(|state| state.positions[7].y = bad, &forces, STEP, one);
+        assert!(error.to_string().contains("particle 7"), "{error}");
+        let error = refused(|state| state.velocities[3].z = bad, &forces, STEP, one);
+        assert!(error.to_string().contains("particle 3"), "{error}");
+    }
+    let error = refused(|state| state.positions.truncate(24), &forces, STEP, one);
+    assert!(
+        matches!(error, SolverError::Model(ModelError::Length { expected: 25, found: 24, .. })),
+        "{error}"
+    );
+    let error = refused(|state| state.velocities.push(Vec3::ZERO), &forces, STEP, one);
+    assert!(matches!(error, SolverError::Model(ModelError::Length { found: 26, .. })), "{error}");
+    for h in [0.0, -0.01, f32::NAN, f32::INFINITY, 1001.0] {
+        assert!(matches!(refused(|_| (), &forces, h, one), SolverError::Setting { .. }), "{h}");
+    }
+    let gravity = Forces { gravity: Vec3::new(0.0, f32::NAN, 0.0), ..forces };
+    assert!(matches!(refused(|_| (), &gravity, STEP, one), SolverError::Model(ModelError::Value { .. })));
+    let none = [Budget::default(), Budget { tolerance: Some(1e-3), ..Budget::default() }];
+    for budget in none {
+        assert!(matches!(refused(|_| (), &forces, STEP, budget), SolverError::NoBudget));
+    }
+    for ms in [-1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(
+            refused(|_| (), &forces, STEP, Budget::milliseconds(ms)),
+            SolverError::Setting { .. }
+        ));
+    }
+    for meters in [-1.0, f32::NAN, f32::INFINITY] {
+        assert!(matches!(
+            refused(|_| (), &forces, STEP, Budget::tolerance(meters)),
+            SolverError::Setting { .. }
+        ));
+    }
+}
+
+#[test]
+fn parameters_out_of_range_are_refused() {
+    let bad = |solver: Solver| System::new(cloth(3, 100.0, None).0, solver).unwrap_err();
+    for omega in [-1.0, 0.0, 2.0, 2.5, f32::NAN, f32::INFINITY] {
+        assert!(matches!(bad(plain(gauss_seidel(omega))), SolverError::Setting { .. }), "{omega}");
+    }
+    for rho in [-0.1, 1.0, f32::NAN] {
+        let relaxation = Relaxation::SymmetricChebyshev { rho };
+        assert!(matches!(bad(plain(relaxation)), SolverError::Setting { .. }), "{rho}");
+    }
+    for substeps in [0, 10_001] {
+        assert!(matches!(bad(Solver { substeps, ..Solver::default() }), SolverError::Setting { .. }));
+    }
+    let direct = Solver { framework: Framework::PositionBased, ..plain(Relaxation::Direct) };
+    assert!(matches!(bad(direct), SolverError::NotPositionBased { .. }));
+}
+
+/// A state that leaves the range of numbers is not written.
+#[test]
+fn divergence_leaves_the_state_as_it_was() {
+    let (model, mut state) = cloth(5, 100.0, None);
+    state.velocities[12].x = 1e12;
+    let before = state.clone();
+    let mut system = System::new(model, plain(gauss_seidel(1.0))).unwrap();
+    let forces = Forces { gravity: Vec3::splat(3e38), ..Forces::default() };
+    let error = system.step(&mut state, &forces, 1000.0, Budget::iterations(2)).unwrap_err();
+    assert!(matches!(error, SolverError::Diverged { .. }), "{error}");
+    assert_eq!(before, state);
+    // And the system still works.
+    let (_, mut state) = cloth(5, 100.0, None);
+    system.step(&mut state, &Forces::default(), STEP, Budget::iterations(2)).unwrap();
+}
