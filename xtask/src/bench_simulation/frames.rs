@@ -96,7 +96,13 @@ pub(super) fn settings() -> Vec<Setting> {
     for rho in [0.9, 0.95, 0.99, 0.995, 0.998, 0.999] {
         push(format!("blocks Chebyshev-GS {rho}"), Relaxed, true, chebyshev(rho), blocks(diagonal));
     }
-    push("split SOR 1.9, 4 sweeps".into(), Relaxed, true, sor(1.9), split(4));
+    for sweeps in [4, 16] {
+        push(format!("split SOR 1.9, {sweeps} sweeps"), Relaxed, true, sor(1.9), split(sweeps));
+        for rho in [0.99, 0.999, 0.9995] {
+            let name = format!("split Chebyshev-GS {rho}, {sweeps} sweeps");
+            push(name, Relaxed, true, chebyshev(rho), split(sweeps));
+        }
+    }
     push("XPBD GS".into(), Relaxed, false, sor(1.0), position_based());
     for (preconditioner, inner, name) in [
         (Preconditioner::Jacobi, 10, "CG (Jacobi), 10 inner"),
