@@ -168,17 +168,26 @@ fn chart(spots: &[Spot<'_>], front: &[usize]) -> Chart {
         Chart::new("Error against time of one frame, and the best of all (line)", 2).area(420.0, 300.0);
     let best = front.iter().map(|&k| (spots[k].ms, spots[k].error));
     let best = Series::line("Best of all", best).look(Look { color: 3, marker: 0, dash: 0 });
+    let mut kinds: Vec<&str> = Vec::new();
     for (title, prefixes) in [
-        ("Projective Dynamics, fused", &["PD,"][..]),
-        ("Projective Dynamics, split", &["PD split,", "PD split 4,"]),
-        ("Blocks and XPBD", &["PD blocks,", "XPBD,"]),
-        ("Global solvers", &["Direct", "CG"]),
+        ("Projective Dynamics, fused", &["PD, "][..]),
+        ("Projective Dynamics, split (1 or 4 sweeps)", &["PD split, ", "PD split 4, "]),
+        ("Projective Dynamics, 3x3 blocks", &["PD blocks, "]),
+        ("XPBD", &["XPBD, "]),
+        ("Global solvers", &[""]),
     ] {
         let mut panel = Panel::new(title, Axis::log("Time").unit("ms"), axis());
-        let families = by_family.iter().filter(|(f, _)| prefixes.iter().any(|p| f.starts_with(p)));
-        for (k, (family, points)) in families.enumerate() {
+        for (family, points) in &by_family {
+            let is_global = family.starts_with("Direct") || family.starts_with("CG");
+            let found = prefixes.iter().find_map(|p| family.strip_prefix(p));
+            let Some(kind) = found.filter(|_| is_global == prefixes.contains(&"")) else { continue };
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+            }
+            let k = kinds.iter().position(|known| *known == kind).unwrap_or(0);
+            // Black is for the best of all.
             let look = Look { color: if k >= 3 { k + 1 } else { k }, marker: k, dash: 0 };
-            panel = panel.series(Series::line(family, points.iter().copied()).mark(Mark::Dots).look(look));
+            panel = panel.series(Series::line(kind, points.iter().copied()).mark(Mark::Dots).look(look));
         }
         chart = chart.panel(panel.series(best.clone()));
     }

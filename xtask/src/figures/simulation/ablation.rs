@@ -77,6 +77,12 @@ impl Line7 {
         points.iter().map(|p| if p.error.is_finite() { p.error } else { f64::INFINITY }).fold(0.0, f64::max)
     }
 
+    /// The error of a reading after the most sweeps.
+    pub(super) fn last(&self, reading: usize) -> f64 {
+        let points = self.readings.get(reading).and_then(|(_, _, points)| points.last());
+        points.map_or(f64::NAN, |p| p.error)
+    }
+
     pub(super) fn chart(&self) -> Chart {
         let errors = self.readings.iter().flat_map(|(_, _, points)| points.iter().map(|p| p.error));
         let mut left = Panel::new("Readings of line 7", Axis::log("Sweeps"), charts::error(errors));
