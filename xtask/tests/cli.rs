@@ -278,6 +278,9 @@ fn an_output_that_cannot_be_or_is_not_needed_leaves_nothing_behind() {
     assert_eq!(colors(&bench.path("kept")).len(), 5);
 }
 
+#[path = "cli/simulate.rs"]
+mod simulate;
+
 /// The steps themselves take minutes and include this test: a stand-in for cargo shows what is asked of it.
 #[cfg(unix)]
 mod steps {
