@@ -62,17 +62,20 @@ impl Plain {
         })
     }
 
-    /// One sweep.
+    /// One sweep. The bars are set against these very loops: written with iterators they take a quarter less time.
+    #[expect(clippy::needless_range_loop, reason = "what is measured against does not change")]
     pub fn sweep(&mut self) {
         for i in 0..self.x.len() {
             let mut sum = self.b[i];
             for k in self.offsets[i] as usize..self.offsets[i + 1] as usize {
                 let q = self.x[self.columns[k] as usize];
-                for (sum, q) in sum.iter_mut().zip(q) {
-                    *sum += self.weights[k] * q;
+                for c in 0..3 {
+                    sum[c] += self.weights[k] * q[c];
                 }
             }
-            self.x[i] = sum.map(|sum| sum * self.inverse_diagonal[i]);
+            for c in 0..3 {
+                self.x[i][c] = sum[c] * self.inverse_diagonal[i];
+            }
         }
     }
 
