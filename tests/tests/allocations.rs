@@ -1,5 +1,7 @@
 //! A frame allocates nothing after the first one.
 
+#![expect(clippy::unwrap_used, reason = "what fails here fails a test")]
+
 use rayon::ThreadPoolBuilder;
 use vivace_model::Forces;
 use vivace_solver::{Budget, Solver, System};

@@ -107,8 +107,7 @@ fn refused(change: impl FnOnce(&mut State), forces: &Forces, h: f32, budget: Bud
     let before = state.clone();
     let error =
         System::new(model, Solver::default()).unwrap().step(&mut state, forces, h, budget).unwrap_err();
-    let bits =
-        |values: &[Vec3]| values.iter().flat_map(|v| v.to_array()).map(f32::to_bits).collect::<Vec<_>>();
+    let bits = |values: &[Vec3]| values.iter().flat_map(Vec3::to_array).map(f32::to_bits).collect::<Vec<_>>();
     assert_eq!(bits(&before.positions), bits(&state.positions));
     assert_eq!(bits(&before.velocities), bits(&state.velocities));
     error

@@ -68,7 +68,7 @@ fn bar_is_the_same_on_any_number_of_threads() {
 fn ten_frames_have_their_hash() {
     let scene = cloth(20, 100.0, Some(1e-5));
     let end = frames(&scene, Solver::default(), &Forces::default(), 20, 10);
-    let bytes = end.positions.iter().flat_map(|q| q.to_array()).flat_map(|x| x.to_bits().to_le_bytes());
+    let bytes = end.positions.iter().flat_map(Vec3::to_array).flat_map(|x| x.to_bits().to_le_bytes());
     let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
     });
