@@ -86,17 +86,22 @@ impl Constraint<2, 1> for Spring {
         let ((rest4, rest1), (particles4, particles1)) = (rest.as_chunks::<4>(), particles.as_chunks::<4>());
         let (lambdas4, lambdas1) = lambdas.as_chunks_mut::<4>();
         for ((rest, particles), lambdas) in rest4.iter().zip(particles4).zip(lambdas4) {
-            let d = particles.map(|[a, b]| q[b as usize] - q[a as usize]);
-            let w = |end: usize| Vec4::from_array(particles.map(|p| xpbd.inverse_masses[p[end] as usize]));
-            let (w0, w1) = (w(0), w(1));
-            let x = Vec4::from_array(d.map(|d| d.x));
-            let y = Vec4::from_array(d.map(|d| d.y));
-            let z = Vec4::from_array(d.map(|d| d.z));
+            // Written out: `array::map` is a call here, and twice as slow.
+            let [[a0, b0], [a1, b1], [a2, b2], [a3, b3]] = *particles;
+            let at = |p: u32| q[p as usize];
+            let d = [at(b0) - at(a0), at(b1) - at(a1), at(b2) - at(a2), at(b3) - at(a3)];
+            let w = |p: u32| xpbd.inverse_masses[p as usize];
+            let w0 = Vec4::new(w(a0), w(a1), w(a2), w(a3));
+            let w1 = Vec4::new(w(b0), w(b1), w(b2), w(b3));
+            let x = Vec4::new(d[0].x, d[1].x, d[2].x, d[3].x);
+            let y = Vec4::new(d[0].y, d[1].y, d[2].y, d[3].y);
+            let z = Vec4::new(d[0].z, d[1].z, d[2].z, d[3].z);
             let length = (x * x + y * y + z * z).max(Vec4::splat(TINY * TINY)).sqrt();
-            let stiffness = Vec4::from_array(rest.map(|rest| rest.stiffness));
+            let [r0, r1, r2, r3] = *rest;
+            let stiffness = Vec4::new(r0.stiffness, r1.stiffness, r2.stiffness, r3.stiffness);
             let compliance = Vec4::ONE / (stiffness * xpbd.squared_h);
             let lambda = Vec4::from_array(*lambdas);
-            let stretch = Vec4::from_array(rest.map(|rest| rest.rest)) - length - compliance * lambda;
+            let stretch = Vec4::new(r0.rest, r1.rest, r2.rest, r3.rest) - length - compliance * lambda;
             let step = xpbd.omega * stretch / (w0 + w1 + compliance);
             *lambdas = (lambda + step).to_array();
             let scaled = step / length;

@@ -17,7 +17,8 @@ pub struct Forces {
     pub wind: Option<Wind>,
 }
 
-/// A steady wind: each triangle is pushed along its normal by `drag` · area · (normal component of the relative velocity).
+/// A steady wind: each triangle is pushed by `drag` · area · (the relative velocity across it, and a tenth of that along it, which
+/// is what keeps a flag taut).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wind {
@@ -25,6 +26,11 @@ pub struct Wind {
     pub velocity: Vec3,
     /// Drag \[kg/(m² s)\].
     pub drag: f32,
+}
+
+impl Wind {
+    /// Drag along a triangle, as a share of that across it \[1\].
+    pub const SKIN: f32 = 0.1;
 }
 
 impl Default for Forces {
@@ -68,7 +74,9 @@ impl Forces {
             let twice_area = (b - a).cross(c - a);
             let Some(normal) = twice_area.try_normalize() else { continue };
             let mean = triangle.iter().map(|&p| velocities[p as usize]).sum::<Vec3>() / 3.0;
-            let force = normal * (wind.drag * 0.5 * twice_area.length() * (wind.velocity - mean).dot(normal));
+            let relative = wind.velocity - mean;
+            let felt = Wind::SKIN * relative + (1.0 - Wind::SKIN) * relative.dot(normal) * normal;
+            let force = felt * (wind.drag * 0.5 * twice_area.length());
             for &p in triangle {
                 accelerations[p as usize] += force / (3.0 * model.masses()[p as usize]);
             }

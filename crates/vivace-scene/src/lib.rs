@@ -28,7 +28,7 @@ mod shape;
 pub use body::{Attach, Body};
 pub use error::{BodyError, SceneError};
 pub use material::{Bending, ClothStrain, Material, VolumeStiffness};
-pub use ready::{armadillo, beam, flag, tablecloth};
+pub use ready::{armadillo, beam, curtain, tablecloth};
 pub use scene::Scene;
 pub use select::Select;
 pub use shape::{Pattern, Shape, Source};

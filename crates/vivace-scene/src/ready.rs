@@ -7,7 +7,7 @@ use crate::{Body, Material, Pattern, Scene, Select, Shape, Source, VolumeStiffne
 
 impl Scene {
     /// Names that [`Scene::named`] knows.
-    pub const NAMES: [&str; 4] = ["tablecloth", "armadillo", "beam", "flag"];
+    pub const NAMES: [&str; 4] = ["tablecloth", "armadillo", "beam", "curtain"];
 
     /// A ready-made scene, in the size of its file in `assets/scenes/`.
     #[must_use]
@@ -16,7 +16,7 @@ impl Scene {
             "tablecloth" => Some(tablecloth(100)),
             "armadillo" => Some(armadillo(10_000)),
             "beam" => Some(beam()),
-            "flag" => Some(flag()),
+            "curtain" => Some(curtain()),
             _ => None,
         }
     }
@@ -70,22 +70,22 @@ pub fn beam() -> Scene {
     }
 }
 
-/// A flag of 1.2 × 0.8 m on its pole, in a wind of 6 m/s.
+/// A curtain of 1.2 × 0.8 m on its rod, in a breeze of 2.5 m/s.
 #[must_use]
-pub fn flag() -> Scene {
+pub fn curtain() -> Scene {
     let shape = Shape::Cloth { width: 49, height: 33, spacing: 0.025, pattern: Pattern::Alternating };
-    let pole = Select::Box { min: Vec3::splat(-0.001), max: Vec3::new(0.001, 0.001, 1.0) };
+    let rod = Select::Box { min: Vec3::splat(-0.001), max: Vec3::new(9.0, 0.001, 0.001) };
     Scene {
-        name: "flag".to_owned(),
+        name: "curtain".to_owned(),
         bodies: vec![Body {
             rotate: Vec3::new(90.0, 0.0, 0.0),
             at: Vec3::new(0.0, 2.0, 0.0),
-            pins: vec![pole],
+            pins: vec![rod],
             ..Body::new(shape, Material::cloth())
         }],
         forces: Forces {
             damping: 0.2,
-            wind: Some(Wind { velocity: Vec3::new(6.0, 0.0, 1.5), drag: 0.6 }),
+            wind: Some(Wind { velocity: Vec3::new(0.5, 0.0, 2.5), drag: 0.3 }),
             ..Forces::default()
         },
         ..Scene::default()

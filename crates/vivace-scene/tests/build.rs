@@ -4,7 +4,7 @@ use glam::Vec3;
 use vivace_model::{Forces, Model, State};
 use vivace_scene::{
     Attach, Bending, Body, Material, Pattern, Scene, SceneError, Select, Shape, VolumeStiffness, armadillo,
-    beam, flag, tablecloth,
+    beam, curtain, tablecloth,
 };
 
 fn build(scene: &Scene) -> Result<(Model, State), SceneError> {
@@ -58,8 +58,8 @@ fn the_armadillo_hangs_by_one_hand() {
 }
 
 #[test]
-fn the_flag_hangs_from_its_pole() {
-    let (model, state) = build(&flag()).unwrap();
+fn the_curtain_hangs_from_its_rod() {
+    let (model, state) = build(&curtain()).unwrap();
     assert_eq!(pinned(&model).len(), 33);
     let low = state.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
     assert!((low - 1.2).abs() < 1e-5 && state.positions.iter().all(|p| p.z.abs() < 1e-6));

@@ -88,7 +88,8 @@ fn a_bad_state_names_its_particle_and_changes_nothing() {
 fn a_snapshot_that_does_not_fit_changes_nothing() {
     let mut simulation = Simulation::new(&held(), Solver::default()).unwrap();
     let before = simulation.snapshot();
-    let changes: [(fn(&mut Snapshot), &str); 6] = [
+    type Change = fn(&mut Snapshot);
+    let changes: [(Change, &str); 6] = [
         (|s| s.state = State::at_rest(vec![Vec3::ZERO]), "1 particles"),
         (|s| s.targets.truncate(1), "1 attachments"),
         (|s| s.targets[1] = Vec3::NAN, "target"),

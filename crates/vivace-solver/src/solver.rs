@@ -55,10 +55,12 @@ impl Default for Framework {
 /// When Projective Dynamics computes its projections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum LocalStep {
-    /// Anew for each vertex, from the latest positions, as it is solved. Best for springs: a projection costs little.
+    /// Anew for each vertex, from the latest positions, as it is solved. Best for springs and plain sweeps; with four or more
+    /// sweeps to a local step, an over-relaxed [`LocalStep::Split`] left less error in the same time.
     #[default]
     Fused,
-    /// All of them once, then this many sweeps of the linear system. Best for tetrahedra, whose projections cost most.
+    /// All of them once, then this many sweeps of the linear system. Best for tetrahedra, whose projections cost most (fused, an
+    /// iteration takes ten times as long), and for acceleration, which is at its best on a linear system.
     Split {
         /// Sweeps per local step.
         sweeps: u32,
@@ -88,7 +90,8 @@ pub enum Relaxation {
     Chebyshev {
         /// Estimated spectral radius, below 1. The closer, the faster, and the sooner it diverges: up to 0.99 it hardly ever did.
         rho: f32,
-        /// Under-relaxation γ of the Jacobi iteration.
+        /// Under-relaxation γ of the Jacobi iteration. At one iteration a step even 0.9 blew up on soft cloth, safeguard or not; 2/3
+        /// never did.
         gamma: f32,
         /// Iterations before acceleration begins.
         delay: u32,

@@ -78,7 +78,7 @@ fn simulate_says_what_to_do_instead() {
     let bench = Bench::new(&[("napkin.ron", SCENE_RON), ("bad.ron", "(\n  bodis: [])"), ("snap.json", "{}")]);
     for (args, code, words) in [
         (&["bad.ron"][..], 1, "bad.ron, line 2, column 3"),
-        (&["tableclth"], 1, "tablecloth, armadillo, beam, flag"),
+        (&["tableclth"], 1, "tablecloth, armadillo, beam, curtain"),
         (&["napkin.ron", "--solver", "{\"substeps\": 0}"], 1, "substeps"),
         (&["napkin.ron", "--solver", "{\"steps\": 0}"], 2, "--solver"),
         (&["napkin.ron", "--solver", "none.ron"], 2, "JSON like"),

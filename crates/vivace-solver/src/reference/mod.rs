@@ -14,7 +14,7 @@ mod svd;
 mod tests;
 
 use glam::{DVec3, Vec3};
-use vivace_model::{Forces, Model, ModelError, State};
+use vivace_model::{Forces, Model, ModelError, State, Wind};
 
 use crate::SolverError;
 use minimize::Minimizer;
@@ -183,8 +183,10 @@ impl Reference {
             let twice_area = (b - a).cross(c - a);
             let Some(normal) = twice_area.try_normalize() else { continue };
             let mean = triangle.iter().map(|&p| state.velocities[p as usize]).sum::<DVec3>() / 3.0;
-            let speed = (wind.velocity.as_dvec3() - mean).dot(normal);
-            let force = normal * (f64::from(wind.drag) * 0.5 * twice_area.length() * speed);
+            let relative = wind.velocity.as_dvec3() - mean;
+            let skin = f64::from(Wind::SKIN);
+            let felt = skin * relative + (1.0 - skin) * relative.dot(normal) * normal;
+            let force = felt * (f64::from(wind.drag) * 0.5 * twice_area.length());
             for &p in triangle {
                 accelerations[p as usize] += force / (3.0 * f64::from(self.model.masses()[p as usize]));
             }
