@@ -60,7 +60,7 @@ fn the_armadillo_hangs_by_one_hand() {
 #[test]
 fn the_curtain_hangs_from_its_rod() {
     let (model, state) = build(&curtain()).unwrap();
-    assert_eq!(pinned(&model).len(), 33);
+    assert_eq!(pinned(&model).len(), 49);
     let low = state.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
     assert!((low - 1.2).abs() < 1e-5 && state.positions.iter().all(|p| p.z.abs() < 1e-6));
 }
