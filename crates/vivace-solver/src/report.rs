@@ -11,7 +11,7 @@ pub struct StepReport {
     pub colors: u32,
     /// Root mean square distance that the last iteration moved the particles \[m\]. NaN without a tolerance in the budget.
     pub last_move: f32,
-    /// Objective of the time step at its end \[J\]: inertia and energy of the constraints. NaN unless [`Solver::safeguard`] or
+    /// Objective of the time step at its end \[J\], up to a constant of the step: inertia and energy of the constraints. NaN unless [`Solver::safeguard`] or
     /// [`System::set_measuring`] asks for it.
     ///
     /// [`Solver::safeguard`]: crate::Solver::safeguard

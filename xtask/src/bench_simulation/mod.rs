@@ -1,7 +1,7 @@
 //! The solvers of `vivace-solver`, measured in one run, as ratios to a plain Gauss-Seidel sweep ([`Plain`], PLAIN in tables); and
 //! the bars that the project holds itself to.
 //!
-//! Workload A is a hanging cloth of springs and hinges, B a bar of tetrahedra ([`scenes`]). All that is compared took turns.
+//! Workload A is a hanging cloth of springs and hinges, B a bar of tetrahedra (`scenes.rs`). All that is compared took turns.
 //!
 //! `times.csv`, a row for each task: `workload`, `task`, `threads`, `runs`, `ms`, `ms_q1`, `ms_q3`, `ms_min` (per iteration),
 //! `over_plain` (ratio of the medians), `over_plain_min` (of the minima). `frames.csv`, what one frame leaves of its error:

@@ -1,8 +1,8 @@
 //! Projective Dynamics (Bouaziz et al. 2014): `Y q = b`, Eq. 1, with b from local projections.
 //!
 //! A vertex is relaxed by `q_i += ω (b_i − (Y q)_i) / Y_ii`. Attachments are springs to a fixed point, so they join the inertia:
-//! together they pull the particle to its *anchor*. Springs and flat hinges live in the rows of Y ([`rows`]); every other kind
-//! adds a [`pass`].
+//! together they pull the particle to its *anchor*. Springs and flat hinges live in the rows of Y (`rows.rs`); every other kind
+//! adds a pass (`pass.rs`).
 
 mod conjugate_gradient;
 #[cfg(feature = "direct")]
