@@ -168,14 +168,14 @@ impl Simulation {
             frame: self.frame,
             time_step: self.time_step,
             forces: self.forces,
+            ease: self.system.ease(),
             targets: self.targets().collect(),
             state: self.state.clone(),
         }
     }
 
     /// Goes back to a snapshot, of this simulation or of another of the same scene. Under a budget of iterations the frames that
-    /// follow are the same bit for bit, with one exception: a safeguard that had to ease acceleration before (see
-    /// [`StepReport::backoffs`]) begins again without memory of it.
+    /// follow are the same bit for bit.
     ///
     /// # Errors
     /// A snapshot of another model, or with values that cannot be; the simulation stays as it was.
@@ -197,7 +197,7 @@ impl Simulation {
                 return Err(error);
             }
         }
-        self.system.set_solver(self.system.solver())?;
+        self.system.set_ease(snapshot.ease);
         self.state.clone_from(&snapshot.state);
         self.forces = snapshot.forces;
         self.time_step = snapshot.time_step;

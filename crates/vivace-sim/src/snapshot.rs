@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use vivace_model::{Forces, State};
+use vivace_solver::Ease;
 
 use crate::{SimError, Vec3};
 
@@ -15,6 +16,8 @@ pub struct Snapshot {
     pub time_step: f32,
     /// What acts on the particles.
     pub forces: Forces,
+    /// What the safeguard remembers.
+    pub ease: Ease,
     /// Where each attachment pulls to \[m\].
     pub targets: Vec<Vec3>,
     /// Positions and velocities.

@@ -20,8 +20,7 @@ fn bits(state: &State) -> Vec<u32> {
 #[test]
 fn a_snapshot_resumes_bit_for_bit() {
     let pd = Solver::default();
-    // A safeguard that eased acceleration before the snapshot does not remember it: see `Simulation::restore`.
-    let xpbd = Solver { framework: Framework::PositionBased, safeguard: false, ..pd };
+    let xpbd = Solver { framework: Framework::PositionBased, ..pd };
     let small = Solver { substeps: 4, ..pd };
     for (scene, solver) in [(held(), pd), (held(), xpbd), (held(), small)] {
         let budget = Budget::iterations(12);
@@ -33,7 +32,7 @@ fn a_snapshot_resumes_bit_for_bit() {
             if frame == 5 {
                 text = whole.snapshot().to_json().unwrap();
             }
-            assert_eq!(whole.step(budget).unwrap().backoffs, 0);
+            whole.step(budget).unwrap();
         }
         let mut resumed = Simulation::new(&scene, solver).unwrap();
         resumed.restore(&Snapshot::from_json(&text).unwrap()).unwrap();

@@ -24,5 +24,6 @@ pub use error::SolverError;
 pub use report::{PhaseTimes, StepReport, Stop};
 pub use solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
 pub use stages::Stages;
+pub use step::Ease;
 pub use system::System;
 pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Wind};

@@ -2,13 +2,16 @@
 
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
+
 use crate::relaxation::Schedule;
 use crate::safeguard::Safeguard;
 use crate::{Budget, Solver, Stages, StepReport, Stop};
 
-/// Acceleration eased by earlier steps, and how long it has been well since.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Ease {
+/// What the safeguard remembers from step to step: by how much it has eased acceleration, and how long all has been well since.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ease {
     level: u32,
     quiet_steps: u32,
 }

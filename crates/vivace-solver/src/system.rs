@@ -93,6 +93,17 @@ impl System {
         Ok(())
     }
 
+    /// What the safeguard remembers: with the state, all that the next step depends on.
+    #[must_use]
+    pub fn ease(&self) -> Ease {
+        self.ease
+    }
+
+    /// Takes up where another system stood.
+    pub fn set_ease(&mut self, ease: Ease) {
+        self.ease = ease;
+    }
+
     /// Whether each step reports its objective and residual, which takes about as long as two iterations.
     pub fn set_measuring(&mut self, is_on: bool) {
         self.is_measuring = is_on;

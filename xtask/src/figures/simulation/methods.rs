@@ -73,7 +73,8 @@ pub fn methods() -> Vec<Method> {
     ]
 }
 
-/// The methods on a scene: on tetrahedra, whose projections cost most, ours compute them once for all particles before each sweep.
+/// The methods on a scene: on tetrahedra, whose projections cost most, all but blocks compute them once for all particles before
+/// each sweep.
 pub fn methods_for(scene: &Scene) -> Vec<Method> {
     let mut all = methods();
     if !scene.model.constraints().tet_strain.is_empty() {
@@ -85,7 +86,6 @@ pub fn methods_for(scene: &Scene) -> Vec<Method> {
 fn split(method: &mut Method) {
     if let Framework::ProjectiveDynamics { local, vertex: VertexSolve::Diagonal } =
         &mut method.solver.framework
-        && method.solver.safeguard
     {
         *local = LocalStep::Split { sweeps: 1 };
     }
