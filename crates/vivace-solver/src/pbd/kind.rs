@@ -133,7 +133,9 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
         let xpbd = Xpbd { inverse_masses: w, squared_h: self.h * self.h, omega };
         let (rest, particles) = (&self.rest[range.clone()], &self.particles[range.clone()]);
         let lambdas = &mut self.lambdas[range.clone()];
-        if rayon::current_num_threads() == 1 || range.len() < 2 * GRAIN {
+        // Springs, four at a time, are done before what other threads find is applied.
+        let least = if N == 2 { usize::MAX } else { 2 * GRAIN };
+        if rayon::current_num_threads() == 1 || range.len() < least {
             return C::correct_all(rest, particles, &xpbd, q, lambdas);
         }
         // Found in parallel, then applied: the host has no way to write scattered elements from many threads.
