@@ -114,7 +114,7 @@ impl Judge<'_> {
         Claim::new(
             DIVERGES,
             &format!(
-                "{}, with Wang\u{2019}s own settings (\u{3c1} = 0.9992, \u{3b3} = 0.9, acceleration from iteration 10): {}. At equal work: {}. (Diverges: blown up, or a measured error above 2.) On this CPU a budget holds fewer iterations than on a GPU, often fewer than the delay, so that nothing is accelerated.",
+                "{}, with Wang\u{2019}s own settings (\u{3c1} = 0.9992, \u{3b3} = 0.9, acceleration from iteration 10): {}. At equal work: {}. (Diverges: blown up, or a measured error above 2.) Where a budget holds fewer iterations than the delay, nothing is accelerated.",
                 self.figure,
                 text(&runs),
                 text(&equal)
