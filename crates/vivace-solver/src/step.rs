@@ -71,7 +71,7 @@ pub(crate) fn solve(
         }
         if let Some(tolerance) = budget.tolerance {
             report.last_move = stages.moved();
-            if report.last_move <= tolerance && schedule.is_settled() {
+            if report.last_move <= tolerance && schedule.settle() {
                 report.stop = Stop::Tolerance;
                 break;
             }

@@ -73,7 +73,7 @@ fn blocks(table: &Table) -> String {
     text
 }
 
-fn aligned(table: &Table) -> String {
+pub(super) fn aligned(table: &Table) -> String {
     let shown: Vec<Vec<String>> = std::iter::once(table.columns.clone())
         .chain(table.rows.iter().map(|row| row.iter().map(Value::shown).collect()))
         .collect();

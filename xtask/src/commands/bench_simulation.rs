@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::reproduce_figures::workspace;
 use super::{CommandError, output};
 use crate::bench_simulation::{self, Options, Sizes};
-use crate::report::{Progress, Table, Value};
+use crate::report::Progress;
 
 /// Measure all solvers as ratios to a plain Gauss-Seidel sweep, and print the bars
 ///
@@ -42,22 +42,8 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     drop(progress);
     let mut text = String::new();
     for table in [&finished.times, &finished.winners, &finished.animation, &finished.bars] {
-        let _ = writeln!(text, "{}\n\n{}", table.name, aligned(table));
+        let _ = writeln!(text, "{}\n\n{}", table.name, super::bench_coloring::aligned(table));
     }
     let _ = writeln!(text, "{}", finished.page.display());
     output::print(&text)
-}
-
-fn aligned(table: &Table) -> String {
-    let shown: Vec<Vec<String>> = std::iter::once(table.columns.clone())
-        .chain(table.rows.iter().map(|row| row.iter().map(Value::shown).collect()))
-        .collect();
-    let width = |column: usize| shown.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..table.columns.len()).map(width).collect();
-    let mut text = String::new();
-    for row in &shown {
-        let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}"));
-        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
-    }
-    text
 }

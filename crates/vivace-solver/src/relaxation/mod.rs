@@ -89,7 +89,7 @@ impl Schedule {
 
     /// After an iteration that hardly moved: whether the local step was made anew just before it, so that nothing else will move
     /// either. If not, the next iteration makes it.
-    pub(crate) fn is_settled(&mut self) -> bool {
+    pub(crate) fn settle(&mut self) -> bool {
         let is_fresh = self.sweeps == 1;
         self.sweeps = 0;
         is_fresh
