@@ -25,6 +25,12 @@ impl State {
         Self { positions, velocities }
     }
 
+    /// Whether a position \[m\] or velocity \[m/s\] is one that a step can start from: a number, at most 10¹².
+    #[must_use]
+    pub fn is_in_range(v: Vec3) -> bool {
+        !v.is_nan() && v.abs().max_element() <= MAX_POSITION
+    }
+
     /// Whether a solver may take this as the state of `model`.
     ///
     /// # Errors
@@ -35,8 +41,7 @@ impl State {
             if values.len() != n {
                 return Err(ModelError::Length { what, expected: n, found: values.len() });
             }
-            let bad = |v: &Vec3| v.is_nan() || v.abs().max_element() > MAX_POSITION;
-            if let Some(particle) = values.iter().position(bad) {
+            if let Some(particle) = values.iter().position(|v| !Self::is_in_range(*v)) {
                 return Err(ModelError::NotFinite { what, particle, value: values[particle] });
             }
         }

@@ -5,7 +5,11 @@
 //! once; each framework says what the stages do.
 
 mod budget;
+#[cfg(feature = "direct")]
+mod cholesky;
 mod error;
+mod history;
+mod parallel;
 pub mod pbd;
 pub mod pd;
 mod relaxation;

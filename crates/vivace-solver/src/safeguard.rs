@@ -3,15 +3,13 @@
 use crate::Stages;
 
 /// Compares the objective at 8, 16, 32, 48, … iterations and at the end with what it was; takes back what raised it, and eases the
-/// acceleration. Plain relaxations never raise it, so easing ends.
+/// acceleration. Plain relaxations never raise it in Projective Dynamics, so easing ends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Safeguard {
     lowest: f64,
     next_check: u32,
 }
 
-/// Rounding of the objective, relative: a rise below it is none.
-const ROUNDING: f64 = 1e-6;
 /// Iterations before the first check.
 const FIRST: u32 = 8;
 /// Most iterations between two checks.
@@ -34,7 +32,7 @@ impl Safeguard {
         self.next_check = k + k.clamp(1, LONGEST);
         let objective = stages.objective();
         // Not a number compares false: it is a rise.
-        if objective <= self.lowest + ROUNDING * self.lowest.abs() {
+        if objective <= self.lowest + stages.tolerated_rise() * self.lowest.abs() {
             self.lowest = objective.min(self.lowest);
             stages.save();
             false

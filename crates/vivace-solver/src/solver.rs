@@ -13,10 +13,12 @@ pub struct Solver {
     /// How it is relaxed.
     pub relaxation: Relaxation,
     /// The time step is cut into this many small ones, and the iterations are shared among them (Macklin et al. 2019). For a
-    /// given number of iterations more steps mean less error and less damping, down to one iteration each.
+    /// given number of iterations more steps mean less error and less damping, down to one iteration each: there are never more small
+    /// steps than iterations in the budget, and at least one iteration in each, whatever the time.
     pub substeps: u32,
-    /// Watch the objective and back acceleration off when it rises (a few per cent of the time). Without it the relaxation does
-    /// exactly what it is told, and may diverge.
+    /// Watch the objective and back acceleration off when it rises. Acceleration then waits for the first five iterations of each
+    /// (small) step: steps of fewer are plain. Without it the relaxation does exactly what it is told, and may diverge. Looking costs
+    /// about as much as an iteration, three times in ten iterations and six times in fifty.
     pub safeguard: bool,
 }
 

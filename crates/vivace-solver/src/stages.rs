@@ -50,6 +50,12 @@ pub trait Stages {
     /// The objective g(q) that the time step minimises \[J\]: inertia and the energy of the constraints.
     fn objective(&self) -> f64;
 
+    /// By how much of itself the objective may rise without cause for alarm: rounding in `f32`, which averages to 10⁻⁵ over a few
+    /// hundred nearly unstretched springs. What diverges grows by factors.
+    fn tolerated_rise(&self) -> f64 {
+        1e-4
+    }
+
     /// Root mean square of the objective's gradient over the free particles \[N\].
     fn residual(&mut self) -> f64;
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::relaxation::Schedule;
+use crate::relaxation::{Schedule, is_accelerated};
 use crate::safeguard::Safeguard;
 use crate::{Budget, Solver, Stages, StepReport, Stop};
 
@@ -22,13 +22,18 @@ const RECOVERY: u32 = 30;
 const LARGEST: u32 = 24;
 
 impl Ease {
+    /// Within its bounds, wherever it comes from.
+    pub(crate) fn clamped(self) -> Self {
+        Self { level: self.level.min(LARGEST), ..self }
+    }
+
     fn more(&mut self) {
-        *self = Self { level: (self.level + 1).min(LARGEST), quiet_steps: 0 };
+        *self = Self { level: self.level + 1, quiet_steps: 0 }.clamped();
     }
 
     fn quiet(&mut self) {
-        self.quiet_steps += 1;
-        if self.quiet_steps == RECOVERY {
+        self.quiet_steps = self.quiet_steps.saturating_add(1);
+        if self.quiet_steps >= RECOVERY {
             *self = Self { level: self.level.saturating_sub(1), quiet_steps: 0 };
         }
     }
@@ -45,8 +50,9 @@ pub(crate) fn solve(
 ) {
     let most = budget.iterations.unwrap_or(u32::MAX);
     let mut schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
-    let mut safeguard =
-        (solver.safeguard && most > 0 && schedule.is_accelerated()).then(|| Safeguard::begin(stages));
+    // Whatever has been eased away: it may come back.
+    let is_watched = solver.safeguard && most > 0 && is_accelerated(solver.relaxation);
+    let mut safeguard = is_watched.then(|| Safeguard::begin(stages));
     let solve_start = Instant::now();
     let (mut k, mut backoffs) = (0, 0);
     report.stop = Stop::Iterations;

@@ -101,7 +101,7 @@ impl System {
 
     /// Takes up where another system stood.
     pub fn set_ease(&mut self, ease: Ease) {
-        self.ease = ease;
+        self.ease = ease.clamped();
     }
 
     /// Whether each step reports its objective and residual, which takes about as long as two iterations.
@@ -152,6 +152,7 @@ impl System {
         budget: Budget,
     ) -> Result<StepReport, SolverError> {
         let start = Instant::now();
+        let ease = self.ease;
         budget.check()?;
         forces.check()?;
         state.check(&self.model)?;
@@ -182,8 +183,10 @@ impl System {
         }
         let finish_start = Instant::now();
         report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
-        let is_bad = |i: &usize| !(self.after[*i].is_finite() && self.velocities[*i].is_finite());
+        let is_bad =
+            |i: &usize| !(State::is_in_range(self.after[*i]) && State::is_in_range(self.velocities[*i]));
         if let Some(particle) = (0..self.after.len()).find(is_bad) {
+            self.ease = ease;
             return Err(SolverError::Diverged { particle });
         }
         state.positions.copy_from_slice(&self.after);

@@ -9,7 +9,8 @@ use vivace_model::{KindVisitor, Model, Store};
 
 use super::coloring::color_constraints;
 use crate::SolverError;
-use crate::pd::{GRAIN, sum_in_pieces};
+use crate::history::History;
+use crate::parallel::sum;
 
 /// What Position Based Dynamics does with a kind.
 pub(super) trait Kind: Send + Sync + std::fmt::Debug {
@@ -33,8 +34,11 @@ pub(super) trait Kind: Send + Sync + std::fmt::Debug {
     /// Counts the constraints of each particle.
     fn count(&self, counts: &mut [f32]);
     /// Moves the target of attachment `idx` of the model, if this kind is that of attachments.
-    fn set_target(&mut self, idx: usize, target: Vec3);
+    fn set_attachment_target(&mut self, idx: usize, target: Vec3);
 }
+
+/// Constraints that one thread projects before another may take over.
+const GRAIN: usize = 256;
 
 /// Kind `C`.
 #[derive(Debug)]
@@ -47,9 +51,7 @@ struct KindOf<C, const N: usize, const R: usize> {
     place: Vec<u32>,
     /// Multipliers \[N s²\].
     lambdas: Vec<f32>,
-    remembered: Vec<f32>,
-    previous: Vec<f32>,
-    saved: Vec<f32>,
+    history: History<f32>,
     h: f32,
     moves: Vec<[Vec3A; N]>,
 }
@@ -90,9 +92,7 @@ impl KindVisitor for Kinds {
             rest: order.iter().map(pick).map(|k| store.rest[k]).collect(),
             place,
             lambdas: vec![0.0; store.len()],
-            remembered: vec![0.0; store.len()],
-            previous: vec![0.0; store.len()],
-            saved: vec![0.0; store.len()],
+            history: History::new(store.len()),
             h: 1.0,
             moves: vec![[Vec3A::ZERO; N]; store.len()],
         }));
@@ -103,29 +103,23 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
     fn begin(&mut self, h: f32) {
         self.h = h;
         self.lambdas.fill(0.0);
-        self.previous.fill(0.0);
+        self.history.begin(&self.lambdas);
     }
 
     fn remember(&mut self) {
-        self.remembered.copy_from_slice(&self.lambdas);
+        self.history.remember(&self.lambdas);
     }
 
     fn extrapolate(&mut self, omega: f32) {
-        if omega != 1.0 {
-            for (lambda, previous) in self.lambdas.iter_mut().zip(&self.previous) {
-                *lambda = *previous + omega * (*lambda - *previous);
-            }
-        }
-        std::mem::swap(&mut self.previous, &mut self.remembered);
+        self.history.extrapolate(&mut self.lambdas, omega);
     }
 
     fn save(&mut self) {
-        self.saved.copy_from_slice(&self.lambdas);
+        self.history.save(&self.lambdas);
     }
 
     fn restore(&mut self) {
-        self.lambdas.copy_from_slice(&self.saved);
-        self.previous.copy_from_slice(&self.saved);
+        self.history.restore(&mut self.lambdas);
     }
 
     fn relax_color(&mut self, color: u32, omega: f32, w: &[f32], q: &mut [Vec3A]) {
@@ -174,7 +168,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
     }
 
     fn energy(&self, q: &[Vec3A]) -> f64 {
-        sum_in_pieces(self.rest.len(), |k| {
+        sum(0..self.rest.len(), &|k: usize| {
             let (c, _) = self.rest[k].deviation(&self.particles[k].map(|p| q[p as usize].into()));
             0.5 * f64::from(self.rest[k].weight()) * f64::from(c) * f64::from(c)
         })
@@ -195,8 +189,11 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
         }
     }
 
-    fn set_target(&mut self, idx: usize, target: Vec3) {
-        if let Some(&k) = self.place.get(idx) {
+    fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
+        // Attachments alone hold one particle.
+        if N == 1
+            && let Some(&k) = self.place.get(idx)
+        {
             self.rest[k as usize].set_target(target);
         }
     }

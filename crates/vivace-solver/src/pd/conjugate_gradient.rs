@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use super::rows::Rows;
-use super::sweep::fill;
 use crate::Preconditioner;
+use crate::parallel::in_pieces;
 
 /// Work vectors, kept from solve to solve.
 #[derive(Debug, Clone, Default)]
@@ -33,6 +33,8 @@ struct Limit {
     tolerance: f64,
 }
 
+/// Rows that one thread computes before another may take over.
+const GRAIN: usize = 256;
 /// With a residual this small against the first, `f32` has no more digits to give.
 const ROUNDING: f64 = 1e-7;
 
@@ -87,8 +89,10 @@ impl Work {
         let enough = dot(residual, residual) * (limit.tolerance * limit.tolerance);
         let mut k = 0;
         while k < limit.iterations && dot(residual, residual).cmpgt(enough).any() {
-            fill(0..rows.len(), image, |i| {
-                diagonal[i] * direction[i] - weighted(rows, i, direction, |_| true)
+            in_pieces(0, image.as_mut_slice(), GRAIN, &|first, image: &mut [Vec3]| {
+                for (i, image) in (first..).zip(image) {
+                    *image = diagonal[i] * direction[i] - weighted(rows, i, direction, |_| true);
+                }
             });
             let alpha = ratio(rho, dot(direction, image));
             for (x, d) in solution.iter_mut().zip(&*direction) {

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::rows::Rows;
 use crate::SolverError;
-use crate::reference::cholesky::{Cholesky, Pattern};
+use crate::cholesky::{Cholesky, Pattern};
 
 /// `P Y Pᵀ = L Lᵀ`: factored in `f64`, kept in `f32`, which costs no digits that the positions have.
 #[derive(Debug, Clone)]

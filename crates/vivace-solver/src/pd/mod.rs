@@ -9,20 +9,24 @@ mod conjugate_gradient;
 mod direct;
 mod layout;
 mod pass;
+mod points;
 mod rows;
+mod slices;
 mod sweep;
 
-use std::ops::Range;
-
-use glam::{Mat3, Vec3, Vec3A};
+use glam::{Vec3, Vec3A};
 use vivace_model::Model;
+use wide::f32x8;
 
+use crate::history::History;
+use crate::parallel::{Split, in_pieces, sum};
 use crate::{Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverError, Stages, VertexSolve};
 use layout::Layout;
 use pass::{Pass, Passes};
+use points::{LANES, Lanes3, Points, PointsMut};
 use rows::Rows;
-pub(crate) use sweep::{GRAIN, sum_in_pieces};
-use sweep::{Vertices, fill};
+use slices::Slices;
+use sweep::Vertices;
 
 /// A model prepared for Projective Dynamics, and the positions while a step is solved.
 #[derive(Debug)]
@@ -31,6 +35,7 @@ pub struct ProjectiveDynamics {
     vertex: VertexSolve,
     layout: Layout,
     rows: Rows,
+    slices: Slices,
     passes: Vec<Box<dyn Pass>>,
     /// Free particles in the model's own order, for the lexicographic sweep.
     in_order: Vec<u32>,
@@ -46,17 +51,21 @@ pub struct ProjectiveDynamics {
     is_direct: bool,
     conjugate_gradient: conjugate_gradient::ConjugateGradient,
     // The frame.
-    anchors: Vec<Vec3A>,
-    q: Vec<Vec3A>,
-    /// q an iteration earlier, and before that.
-    remembered: Vec<Vec3A>,
-    previous: Vec<Vec3A>,
-    is_extrapolated: bool,
-    saved: Vec<Vec3A>,
-    pulls: Vec<Vec3A>,
-    next: Vec<Vec3A>,
+    anchors: Points,
+    q: Points,
+    history: History<f32>,
+    /// `Σ w Aᵀ p` of the local step \[N\], where it is apart from the sweeps.
+    pulls: Points,
+    /// By how much vertices will move \[m\].
+    steps: Points,
+    /// What linear solvers start from \[N\] and end with \[m\].
     residual: Vec<Vec3>,
 }
+
+/// Vertices that one thread computes before another may take over.
+const GRAIN: usize = 32 * LANES;
+/// The same, where there is little to compute.
+const LARGE_GRAIN: usize = 1 << 14;
 
 impl ProjectiveDynamics {
     /// Colors the model's graph and gathers the rows of Y.
@@ -69,11 +78,16 @@ impl ProjectiveDynamics {
         };
         let is_direct = matches!(solver.relaxation, Relaxation::Direct);
         // What solves the linear system needs b apart from the sweeps.
-        let needs_split = is_direct || matches!(solver.relaxation, Relaxation::ConjugateGradient { .. });
-        let local = if needs_split { LocalStep::Split { sweeps: 1 } } else { local };
+        let is_linear_solver = is_direct || matches!(solver.relaxation, Relaxation::ConjugateGradient { .. });
+        let (local, vertex) = if is_linear_solver {
+            (LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal)
+        } else {
+            (local, vertex)
+        };
         let graph = model.graph()?;
         let layout = Layout::new(model, &graph);
         let rows = Rows::new(model, &graph, &layout);
+        let slices = Slices::new(&rows, &layout.classes, model.n_particles() + LANES);
         let passes = Passes::of(model, &layout)?;
         let all = &model.constraints().attachments;
         let held = all.particles.iter().zip(&all.rest);
@@ -82,32 +96,30 @@ impl ProjectiveDynamics {
             .collect();
         let masses = layout.order.iter().map(|&p| model.masses()[p as usize]).collect();
         let in_order = layout.place.iter().copied().filter(|&slot| layout.is_free(slot)).collect();
-        let n = model.n_particles();
-        let zeros = || vec![Vec3A::ZERO; n];
+        let (n, n_free) = (model.n_particles(), layout.n_free);
+        let q = Points::zeros(n);
         Ok(Self {
             local,
             vertex,
             rows,
+            slices,
             passes,
             in_order,
             attachments,
             masses,
             h: 0.0,
-            anchor_weights: vec![0.0; layout.n_free],
-            inverse_diagonal: vec![0.0; layout.n_free],
+            anchor_weights: vec![0.0; n_free],
+            inverse_diagonal: vec![0.0; n_free],
             #[cfg(feature = "direct")]
             factor: None,
             is_direct,
             conjugate_gradient: conjugate_gradient::ConjugateGradient::default(),
-            anchors: vec![Vec3A::ZERO; layout.n_free],
-            q: zeros(),
-            remembered: zeros(),
-            previous: zeros(),
-            is_extrapolated: false,
-            saved: zeros(),
-            pulls: vec![Vec3A::ZERO; layout.n_free],
-            next: vec![Vec3A::ZERO; layout.n_free],
-            residual: vec![Vec3::ZERO; layout.n_free],
+            anchors: Points::zeros(n_free),
+            history: History::new(q.data().len()),
+            q,
+            pulls: Points::zeros(n_free),
+            steps: Points::zeros(n_free),
+            residual: vec![Vec3::ZERO; n_free],
             layout,
         })
     }
@@ -138,6 +150,8 @@ impl ProjectiveDynamics {
         if self.h == h {
             return Ok(());
         }
+        // Nothing holds for any time step until all does.
+        self.h = 0.0;
         for (weight, mass) in self.anchor_weights.iter_mut().zip(&self.masses) {
             *weight = mass / (h * h);
         }
@@ -172,66 +186,65 @@ impl ProjectiveDynamics {
     /// Begins a step of `h` \[s\] from `predicted` (s of Eq. 1) \[m\], in the model's order.
     pub(crate) fn begin(&mut self, predicted: &[Vec3]) {
         let Self { layout, q, anchors, anchor_weights, masses, h, .. } = self;
-        for (q, &particle) in q.iter_mut().zip(&layout.order) {
-            *q = predicted[particle as usize].into();
+        for (slot, &particle) in layout.order.iter().enumerate() {
+            q.set(slot, predicted[particle as usize].into());
         }
-        anchors.copy_from_slice(&q[..layout.n_free]);
-        if !self.attachments.is_empty() {
-            for ((anchor, mass), weight) in anchors.iter_mut().zip(masses).zip(&*anchor_weights) {
-                *anchor *= *mass / (*h * *h * *weight);
-            }
-            for &(slot, target, stiffness) in &self.attachments {
-                if let Some(anchor) = anchors.get_mut(slot as usize) {
-                    *anchor += target * (stiffness / anchor_weights[slot as usize]);
-                }
+        for (slot, weight) in anchor_weights.iter().enumerate() {
+            // 1 where nothing is attached.
+            anchors.set(slot, q.get(slot) * (masses[slot] / (*h * *h) / weight));
+        }
+        for &(slot, target, stiffness) in &self.attachments {
+            if layout.is_free(slot) {
+                let slot = slot as usize;
+                anchors.set(slot, anchors.get(slot) + target * (stiffness / anchor_weights[slot]));
             }
         }
-        self.previous.copy_from_slice(&self.q);
-        self.is_extrapolated = false;
+        self.history.begin(self.q.data());
     }
 
     /// Writes the positions, in the model's order \[m\].
     pub(crate) fn end(&self, positions: &mut [Vec3]) {
-        for (q, &particle) in self.q.iter().zip(&self.layout.order) {
-            positions[particle as usize] = (*q).into();
+        for (slot, &particle) in self.layout.order.iter().enumerate() {
+            positions[particle as usize] = self.q.get(slot).into();
         }
     }
 
     fn vertices(&self) -> Vertices<'_> {
         Vertices {
-            rows: &self.rows,
+            slices: &self.slices,
             anchor_weights: &self.anchor_weights,
             anchors: &self.anchors,
+            diagonal: &self.rows.diagonal,
             inverse_diagonal: &self.inverse_diagonal,
+            passes: &self.passes,
         }
     }
 
-    /// What the vertices of `range` would move by, unrelaxed, from the present q: into `next`.
-    fn corrections(&mut self, range: Range<usize>) {
-        let mut next = std::mem::take(&mut self.next);
-        let is_fused = self.is_fused();
-        if is_fused && !self.passes.is_empty() {
-            self.pulls[range.clone()].fill(Vec3A::ZERO);
-            for pass in &self.passes {
-                pass.pull_fused(range.clone(), &self.q, &mut self.pulls[range.clone()]);
-            }
+    /// By how much the vertices of a slice would move, unrelaxed, from `q` \[m\].
+    #[inline]
+    fn step(&self, slice: usize, q: &Points) -> Lanes3 {
+        let vertices = self.vertices();
+        match (self.is_fused(), self.vertex) {
+            (true, VertexSolve::Diagonal) => vertices.by_diagonal(slice, vertices.fused(slice, q)),
+            (true, VertexSolve::Block) => vertices.by_blocks(slice, q, vertices.fused(slice, q)),
+            (false, _) => vertices.by_diagonal(slice, vertices.linear(slice, q, &self.pulls)),
         }
-        let (vertices, q, pulls, passes) = (self.vertices(), &self.q, &self.pulls, &self.passes);
-        let out = &mut next[range.clone()];
-        match (is_fused, self.vertex) {
-            (true, VertexSolve::Diagonal) => {
-                fill(range, out, |i| vertices.fused(i, q, pulls[i]) * vertices.inverse_diagonal[i]);
+    }
+
+    /// `f` of every slice of a color, into `out`.
+    fn of_color(&self, color: usize, out: &mut Points, f: impl Fn(usize) -> Lanes3 + Sync) {
+        let (range, slices) = (self.layout.classes[color].clone(), self.slices.colors[color].clone());
+        in_pieces(0, out.range_mut(range), GRAIN, &|first, mut out: PointsMut<'_>| {
+            for at in (0..out.len()).step_by(LANES) {
+                let n = (out.len() - at).min(LANES);
+                out.store(at, n, f(slices.start + (first + at) / LANES));
             }
-            (true, VertexSolve::Block) => fill(range, out, |i| {
-                let mut block = vertices.block(i, q);
-                passes.iter().for_each(|pass| pass.add_to_block(i, q, &mut block));
-                solve_block(block, vertices.fused(i, q, pulls[i]), vertices.inverse_diagonal[i])
-            }),
-            (false, _) => {
-                fill(range, out, |i| vertices.linear(i, q, pulls[i]) * vertices.inverse_diagonal[i]);
-            }
-        }
-        self.next = next;
+        });
+    }
+
+    /// `f` of every slice, into `out`.
+    fn of_all(&self, out: &mut Points, f: impl Fn(usize) -> Lanes3 + Sync) {
+        (0..self.layout.classes.len()).for_each(|color| self.of_color(color, out, &f));
     }
 
     fn is_fused(&self) -> bool {
@@ -240,28 +253,19 @@ impl ProjectiveDynamics {
 
     /// `b − Y q` of all free vertices, into `residual` \[N\].
     fn residuals(&mut self) {
-        let mut residual = std::mem::take(&mut self.residual);
-        let (vertices, q, pulls) = (self.vertices(), &self.q, &self.pulls);
-        fill(0..self.layout.n_free, &mut residual, |i| vertices.linear(i, q, pulls[i]).into());
-        self.residual = residual;
+        let mut residuals = std::mem::take(&mut self.steps);
+        self.of_all(&mut residuals, |slice| self.vertices().linear(slice, &self.q, &self.pulls));
+        for (slot, residual) in self.residual.iter_mut().enumerate() {
+            *residual = residuals.get(slot).into();
+        }
+        self.steps = residuals;
     }
 
     fn apply_residual_solution(&mut self) {
-        for (q, delta) in self.q.iter_mut().zip(&self.residual) {
-            *q += Vec3A::from(*delta);
+        for (slot, step) in self.residual.iter().enumerate() {
+            self.q.set(slot, self.q.get(slot) + Vec3A::from(*step));
         }
     }
-}
-
-/// `block⁻¹ residual`; where the block is not invertible in `f32`, the scalar diagonal serves.
-#[inline]
-fn solve_block(block: Mat3, residual: Vec3A, inverse_diagonal: f32) -> Vec3A {
-    let (x, y, z) = (block.x_axis, block.y_axis, block.z_axis);
-    let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
-    let determinant = x.dot(yz);
-    let r = Vec3::from(residual);
-    let solved = Vec3::new(yz.dot(r), zx.dot(r), xy.dot(r)) / determinant;
-    if determinant > 0.0 && solved.is_finite() { solved.into() } else { residual * inverse_diagonal }
 }
 
 impl Stages for ProjectiveDynamics {
@@ -277,11 +281,15 @@ impl Stages for ProjectiveDynamics {
             pass.project(&self.q);
         }
         let mut pulls = std::mem::take(&mut self.pulls);
-        let (vertices, q, passes) = (self.vertices(), &self.q, &self.passes);
-        fill(0..self.layout.n_free, &mut pulls, |i| {
-            let mut pull = [vertices.spring_pull(i, q)];
-            passes.iter().for_each(|pass| pass.pull_projected(i..i + 1, &mut pull));
-            pull[0]
+        self.of_all(&mut pulls, |slice| {
+            let of_springs = self.vertices().spring_pulls(slice, &self.q);
+            if self.passes.is_empty() {
+                return of_springs;
+            }
+            let (first, n) = self.slices.slices[slice];
+            let mut pulls = of_springs.to_array();
+            self.passes.iter().for_each(|pass| pass.pull_projected(first..first + n, &mut pulls[..n]));
+            Lanes3::from_array(pulls)
         });
         self.pulls = pulls;
     }
@@ -294,36 +302,62 @@ impl Stages for ProjectiveDynamics {
     }
 
     fn relax_color(&mut self, color: u32, omega: f32) {
-        let range = self.layout.classes[color as usize].clone();
-        self.corrections(range.clone());
-        for (q, step) in self.q[range.clone()].iter_mut().zip(&self.next[range]) {
-            *q += omega * *step;
+        let color = color as usize;
+        if rayon::current_num_threads() == 1 {
+            // No vertex of a color sees another: each may be written at once.
+            let mut q = std::mem::take(&mut self.q);
+            for slice in self.slices.colors[color].clone() {
+                let (first, n) = self.slices.slices[slice];
+                let step = self.step(slice, &q);
+                q.store(first, n, q.lanes(first) + step * f32x8::splat(omega));
+            }
+            self.q = q;
+            return;
         }
+        let mut steps = std::mem::take(&mut self.steps);
+        self.of_color(color, &mut steps, |slice| self.step(slice, &self.q));
+        let range = self.layout.classes[color].clone();
+        in_pieces(range.start, self.q.range_mut(range), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
+            q.axpy(omega, first, &steps);
+        });
+        self.steps = steps;
     }
 
     fn relax_color_from_previous(&mut self, color: u32, omega: f32) {
+        let mut steps = std::mem::take(&mut self.steps);
+        self.of_color(color as usize, &mut steps, |slice| self.step(slice, &self.q));
         let range = self.layout.classes[color as usize].clone();
-        self.corrections(range.clone());
-        let steps = self.previous[range.clone()].iter_mut().zip(&self.next[range.clone()]);
-        for (q, (previous, step)) in self.q[range].iter_mut().zip(steps) {
-            let old = *q;
-            *q = *previous + omega * (old + *step - *previous);
-            *previous = old;
+        let stride = self.q.stride();
+        for (axis, steps) in steps.axes().into_iter().enumerate() {
+            let at = axis * stride + range.start..axis * stride + range.end;
+            let previous = &mut self.history.previous_mut()[at.clone()];
+            for ((q, previous), step) in
+                self.q.data_mut()[at].iter_mut().zip(previous).zip(&steps[range.clone()])
+            {
+                let old = *q;
+                *q = *previous + omega * (old + *step - *previous);
+                *previous = old;
+            }
         }
+        self.steps = steps;
     }
 
     fn relax_all(&mut self, omega: f32) {
-        self.corrections(0..self.layout.n_free);
-        for (q, step) in self.q.iter_mut().zip(&self.next) {
-            *q += omega * *step;
-        }
+        let mut steps = std::mem::take(&mut self.steps);
+        self.of_all(&mut steps, |slice| self.step(slice, &self.q));
+        let n_free = self.layout.n_free;
+        in_pieces(0, self.q.range_mut(0..n_free), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
+            q.axpy(omega, first, &steps);
+        });
+        self.steps = steps;
     }
 
     fn relax_in_order(&mut self, omega: f32) {
         for k in 0..self.in_order.len() {
             let i = self.in_order[k] as usize;
-            self.corrections(i..i + 1);
-            self.q[i] += omega * self.next[i];
+            let slice = self.slices.of_vertex(i);
+            let step = self.step(slice, &self.q).to_array()[i - self.slices.slices[slice].0];
+            self.q.set(i, self.q.get(i) + omega * step);
         }
     }
 
@@ -346,53 +380,42 @@ impl Stages for ProjectiveDynamics {
     }
 
     fn remember(&mut self) {
-        self.remembered.copy_from_slice(&self.q);
-        self.is_extrapolated = false;
+        self.history.remember(self.q.data());
     }
 
     fn extrapolate(&mut self, omega: f32) {
-        if omega != 1.0 {
-            for (q, previous) in self.q.iter_mut().zip(&self.previous) {
-                *q = *previous + omega * (*q - *previous);
-            }
-        }
-        std::mem::swap(&mut self.previous, &mut self.remembered);
-        self.is_extrapolated = true;
+        self.history.extrapolate(self.q.data_mut(), omega);
     }
 
     fn moved(&self) -> f32 {
-        let before = if self.is_extrapolated { &self.previous } else { &self.remembered };
-        let n = self.layout.n_free;
-        let sum = sum_in_pieces(n, |i| f64::from((self.q[i] - before[i]).length_squared()));
+        let (q, before) = (self.q.data(), self.history.before());
+        let squared = |k: usize| f64::from((q[k] - before[k]) * (q[k] - before[k]));
         #[expect(clippy::cast_possible_truncation, reason = "positions are f32")]
-        let moved = (sum / n.max(1) as f64).sqrt() as f32;
+        let moved = (sum(0..q.len(), &squared) / self.layout.n_free.max(1) as f64).sqrt() as f32;
         moved
     }
 
     fn objective(&self) -> f64 {
         let vertices = self.vertices();
-        let rows = sum_in_pieces(self.layout.n_free, |i| vertices.objective(i, &self.q));
+        let rows = sum(0..self.slices.slices.len(), &|slice| vertices.objective(slice, &self.q));
         rows + self.passes.iter().map(|pass| pass.energy(&self.q)).sum::<f64>()
     }
 
     fn residual(&mut self) -> f64 {
-        let mut pulls = std::mem::take(&mut self.pulls);
-        pulls.fill(Vec3A::ZERO);
-        let n = self.layout.n_free;
-        self.passes.iter().for_each(|pass| pass.pull_fused(0..n, &self.q, &mut pulls));
         let vertices = self.vertices();
-        let sum = sum_in_pieces(n, |i| f64::from(vertices.fused(i, &self.q, pulls[i]).length_squared()));
-        self.pulls = pulls;
-        (sum / n.max(1) as f64).sqrt()
+        let squared = |slice: usize| {
+            let residual = vertices.fused(slice, &self.q);
+            let n = self.slices.slices[slice].1;
+            residual.dot(residual).to_array()[..n].iter().map(|&squared| f64::from(squared)).sum()
+        };
+        (sum(0..self.slices.slices.len(), &squared) / self.layout.n_free.max(1) as f64).sqrt()
     }
 
     fn save(&mut self) {
-        self.saved.copy_from_slice(&self.q);
+        self.history.save(self.q.data());
     }
 
     fn restore(&mut self) {
-        self.q.copy_from_slice(&self.saved);
-        self.previous.copy_from_slice(&self.saved);
-        self.is_extrapolated = false;
+        self.history.restore(self.q.data_mut());
     }
 }

@@ -10,21 +10,22 @@ use vivace_kernels::constraint::Constraint;
 use vivace_model::{KindVisitor, Model, ModelError, Store};
 
 use super::layout::Layout;
-use super::sweep::sum_in_pieces;
+use super::points::Points;
 use crate::SolverError;
+use crate::parallel::sum;
 
 /// A kind's local step.
 pub(crate) trait Pass: Send + Sync + std::fmt::Debug {
     /// Computes all projections from q.
-    fn project(&mut self, q: &[Vec3A]);
+    fn project(&mut self, q: &Points);
     /// Adds `w Aᵀ p` for the particles in `range`, p as last projected.
     fn pull_projected(&self, range: Range<usize>, out: &mut [Vec3A]);
     /// Adds `w Aᵀ p(q)` for the particles in `range`.
-    fn pull_fused(&self, range: Range<usize>, q: &[Vec3A], out: &mut [Vec3A]);
+    fn pull_fused(&self, range: Range<usize>, q: &Points, out: &mut [Vec3A]);
     /// Adds to `block` by how much the kind's exact block at `particle` differs from its part in Y.
-    fn add_to_block(&self, particle: usize, q: &[Vec3A], block: &mut Mat3);
+    fn add_to_block(&self, particle: usize, q: &Points, block: &mut Mat3);
     /// The energy of the kind's constraints \[J\].
-    fn energy(&self, q: &[Vec3A]) -> f64;
+    fn energy(&self, q: &Points) -> f64;
 }
 
 /// The pass of kind `C`.
@@ -101,8 +102,8 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> KindPass<C, N, R> {
     }
 
     #[inline]
-    fn corners(&self, constraint: usize, q: &[Vec3A]) -> [Vec3; N] {
-        self.particles[constraint].map(|particle| q[particle as usize].into())
+    fn corners(&self, constraint: usize, q: &Points) -> [Vec3; N] {
+        self.particles[constraint].map(|particle| q.get(particle as usize).into())
     }
 }
 
@@ -110,14 +111,14 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> KindPass<C, N, R> {
 const GRAIN: usize = 512;
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N, R> {
-    fn project(&mut self, q: &[Vec3A]) {
+    fn project(&mut self, q: &Points) {
         let (particles, rest) = (&self.particles, &self.rest);
         let piece = |(piece, projected): (usize, &mut [[Vec3; R]])| {
             let first = piece * GRAIN;
             let range = first..first + projected.len();
             C::project_all(
                 &rest[range.clone()],
-                |k| particles[range.start + k].map(|p| q[p as usize].into()),
+                |k| particles[range.start + k].map(|p| q.get(p as usize).into()),
                 projected,
             );
         };
@@ -136,7 +137,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N
         }
     }
 
-    fn pull_fused(&self, range: Range<usize>, q: &[Vec3A], out: &mut [Vec3A]) {
+    fn pull_fused(&self, range: Range<usize>, q: &Points, out: &mut [Vec3A]) {
         for (particle, out) in range.zip(out) {
             for (constraint, slot) in self.slots(particle) {
                 let rest = &self.rest[constraint];
@@ -146,7 +147,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N
         }
     }
 
-    fn add_to_block(&self, particle: usize, q: &[Vec3A], block: &mut Mat3) {
+    fn add_to_block(&self, particle: usize, q: &Points, block: &mut Mat3) {
         for (constraint, slot) in self.slots(particle) {
             let rest = &self.rest[constraint];
             *block += rest.block(&self.corners(constraint, q), slot);
@@ -154,8 +155,8 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N
         }
     }
 
-    fn energy(&self, q: &[Vec3A]) -> f64 {
+    fn energy(&self, q: &Points) -> f64 {
         let of = |constraint: usize| f64::from(self.rest[constraint].energy(&self.corners(constraint, q)));
-        sum_in_pieces(self.particles.len(), of)
+        sum(0..self.particles.len(), &of)
     }
 }

@@ -27,21 +27,8 @@ pub(crate) struct Rows {
     pub(crate) pulls: Vec<f32>,
     /// k, the spring's part in it \[N/m\].
     pub(crate) stiffness: Vec<f32>,
-    /// The springs of row i, four at a time: `quads[quad_offsets[i]..quad_offsets[i + 1]]`.
-    pub(crate) quad_offsets: Vec<u32>,
-    /// The springs once more, as a sweep reads them.
-    pub(crate) quads: Vec<Quad>,
     /// Y_ii less inertia and attachments \[N/m\].
     pub(crate) diagonal: Vec<f32>,
-}
-
-/// Four springs of one particle; what is missing points to the particle itself and has no stiffness.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Quad {
-    pub(crate) columns: [u32; 4],
-    pub(crate) weights: [f32; 4],
-    pub(crate) pulls: [f32; 4],
-    pub(crate) stiffness: [f32; 4],
 }
 
 /// One entry while rows are gathered.
@@ -70,7 +57,7 @@ impl Gather<'_> {
 impl KindVisitor for Gather<'_> {
     fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(&mut self, store: &Store<C, N>) {
         if N == 1 {
-            // Attachments belong to the particle's own inertia: see `ProjectiveDynamics::anchor`.
+            // Attachments belong to the particle's own inertia: see `ProjectiveDynamics::begin`.
             return;
         }
         for (particles, rest) in store.particles.iter().zip(&store.rest) {
@@ -110,7 +97,7 @@ impl Rows {
                 }
             }
         }
-        let mut rows = Self { offsets: vec![0], quad_offsets: vec![0], ..Self::default() };
+        let mut rows = Self { offsets: vec![0], ..Self::default() };
         for &particle in &layout.order[..layout.n_free] {
             let first = graph.csr().offsets()[particle as usize] as usize;
             let row = graph.neighbors(particle).iter().zip(&gather.entries[first..]);
@@ -128,29 +115,15 @@ impl Rows {
             if others.is_empty() {
                 rows.spring_ends.push(rows.columns.len() as u32);
             }
-            rows.push_quads();
             rows.offsets.push(rows.columns.len() as u32);
             rows.diagonal.push(gather.diagonal[particle as usize] as f32);
         }
         rows
     }
 
-    /// Packs the springs of the row that was gathered last.
-    #[expect(clippy::cast_possible_truncation, reason = "as many as there are springs, at most")]
-    fn push_quads(&mut self) {
-        let own = self.spring_ends.len() as u32 - 1;
-        let springs = self.offsets[own as usize] as usize..self.spring_ends[own as usize] as usize;
-        for start in springs.clone().step_by(4) {
-            let mut quad = Quad { columns: [own; 4], ..Quad::default() };
-            for (k, at) in (start..springs.end.min(start + 4)).enumerate() {
-                quad.columns[k] = self.columns[at];
-                quad.weights[k] = self.weights[at];
-                quad.pulls[k] = self.pulls[at];
-                quad.stiffness[k] = self.stiffness[at];
-            }
-            self.quads.push(quad);
-        }
-        self.quad_offsets.push(self.quads.len() as u32);
+    /// What part of an entry's energy its row has: an entry towards a free particle stands in two rows.
+    pub(crate) fn share(&self, entry: usize) -> f32 {
+        if (self.columns[entry] as usize) < self.len() { 0.5 } else { 1.0 }
     }
 
     /// How many rows there are.

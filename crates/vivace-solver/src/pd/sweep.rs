@@ -1,203 +1,298 @@
-//! What one vertex computes: the body of Algorithm 1's inner loop.
+//! What a vertex computes: the body of Algorithm 1's inner loop, for eight vertices of a color at a time.
 //!
-//! A vertex is a few 16-byte loads, and the lengths of four springs at a time go through one square root and one division: plain
-//! SSE2 or NEON, no dispatch at run time.
+//! SSE2 or NEON by portable types: no dispatch at run time, and no fused multiply-add, so that every machine rounds alike.
 
-use std::ops::Range;
+use glam::{Mat3, Vec3A};
+use wide::f32x8;
 
-use glam::{Mat3, Vec3, Vec3A, Vec4};
-use rayon::prelude::*;
-
-use super::rows::{Quad, Rows};
+use super::pass::Pass;
+use super::points::{LANES, Lanes3, Points, load};
+use super::slices::Slices;
 
 /// What a sweep reads beside q.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Vertices<'a> {
-    pub(crate) rows: &'a Rows,
+    pub(crate) slices: &'a Slices,
     /// m/h² and the stiffness of attachments \[N/m\].
     pub(crate) anchor_weights: &'a [f32],
     /// Mean of the prediction s and the targets of attachments, by these weights \[m\].
-    pub(crate) anchors: &'a [Vec3A],
+    pub(crate) anchors: &'a Points,
+    /// Y_ii less inertia and attachments \[N/m\].
+    pub(crate) diagonal: &'a [f32],
     /// One over the diagonal of Y \[m/N\].
     pub(crate) inverse_diagonal: &'a [f32],
+    pub(crate) passes: &'a [Box<dyn Pass>],
 }
 
 /// Lengths below this are 0 \[m\]; its square is a normal number.
 const TINY: f32 = 1e-18;
 
+/// At least [`TINY`] squared.
+#[inline]
+fn squared_length(d: Lanes3) -> f32x8 {
+    d.dot(d).fast_max(f32x8::splat(TINY * TINY))
+}
+
+/// The symmetric 3 × 3 block of each of eight vertices.
+#[derive(Debug, Clone, Copy)]
+struct Blocks {
+    diagonal: Lanes3,
+    /// Entries yz, zx, xy.
+    off: Lanes3,
+}
+
 impl Vertices<'_> {
-    /// `b_i − (Y q)_i` \[N\] with the springs projected from q.
+    /// What `(b − Y q)` of the vertices of a slice is without springs, hinges and passes \[N\].
     #[inline]
-    pub(crate) fn fused(&self, i: usize, q: &[Vec3A], pull: Vec3A) -> Vec3A {
-        let rows = self.rows;
-        let at = q[i];
-        let sum = self.anchor_weights[i] * (self.anchors[i] - at) + pull;
-        let (mut x, mut y, mut z) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
-        for quad in self.quads(i) {
-            let d = Four::new(&quad.columns, q, at);
-            let c = Vec4::from_array(quad.weights) - Vec4::from_array(quad.pulls) / d.length();
-            x += d.x * c;
-            y += d.y * c;
-            z += d.z * c;
-        }
-        let springs = Vec3A::new(x.element_sum(), y.element_sum(), z.element_sum());
-        let others = rows.spring_ends[i] as usize..rows.offsets[i + 1] as usize;
-        sum + springs + taps(&rows.columns[others.clone()], &rows.weights[others], q, at)
+    fn inertia(&self, first: usize, at: Lanes3) -> Lanes3 {
+        (self.anchors.lanes(first) - at) * load(self.anchor_weights, first)
     }
 
+    /// `(b − Y q)` of the vertices of `slice` \[N\] with everything projected from q.
     #[inline]
-    fn quads(&self, i: usize) -> &[Quad] {
-        let rows = self.rows;
-        &rows.quads[rows.quad_offsets[i] as usize..rows.quad_offsets[i + 1] as usize]
+    pub(crate) fn fused(&self, slice: usize, q: &Points) -> Lanes3 {
+        let (first, n) = self.slices.slices[slice];
+        let at = q.lanes(first);
+        let mut sum = self.inertia(first, at);
+        let springs = &self.slices.springs;
+        springs.slots.for_each(slice, q, at, |slot, d| {
+            let length = squared_length(d).sqrt();
+            sum = sum + d * (springs.slots.weights[slot] - springs.pulls[slot] / length);
+        });
+        let others = &self.slices.others;
+        others.for_each(slice, q, at, |slot, d| sum = sum + d * others.weights[slot]);
+        if self.passes.is_empty() { sum } else { sum + self.pass_pulls(first, n, q) }
     }
 
-    /// `b_i − (Y q)_i` \[N\] with all projections in `pull`.
+    /// `(b − Y q)` of the vertices of `slice` \[N\] with all projections in `pulls`.
     #[inline]
-    pub(crate) fn linear(&self, i: usize, q: &[Vec3A], pull: Vec3A) -> Vec3A {
-        let rows = self.rows;
-        let at = q[i];
-        let range = rows.offsets[i] as usize..rows.offsets[i + 1] as usize;
-        let sum = self.anchor_weights[i] * (self.anchors[i] - at) + pull;
-        sum + taps(&rows.columns[range.clone()], &rows.weights[range], q, at)
-    }
-
-    /// `Σ w Aᵀ p` of the springs of vertex i \[N\].
-    #[inline]
-    pub(crate) fn spring_pull(&self, i: usize, q: &[Vec3A]) -> Vec3A {
-        let rows = self.rows;
-        let mut sum = Vec3A::ZERO;
-        for k in rows.offsets[i] as usize..rows.spring_ends[i] as usize {
-            let d = q[rows.columns[k] as usize] - q[i];
-            sum -= d * (rows.pulls[k] / d.length().max(TINY));
+    pub(crate) fn linear(&self, slice: usize, q: &Points, pulls: &Points) -> Lanes3 {
+        let (first, _) = self.slices.slices[slice];
+        let at = q.lanes(first);
+        let mut sum = self.inertia(first, at) + pulls.lanes(first);
+        for slots in [&self.slices.springs.slots, &self.slices.others] {
+            slots.for_each(slice, q, at, |slot, d| sum = sum + d * slots.weights[slot]);
         }
         sum
     }
 
-    /// The vertex's own block of the Hessian, of springs exactly (positive semi-definite), of all else as in Y \[N/m\].
+    /// `Σ w Aᵀ p` of the springs of the vertices of `slice` \[N\].
     #[inline]
-    pub(crate) fn block(&self, i: usize, q: &[Vec3A]) -> Mat3 {
-        let rows = self.rows;
-        let mut isotropic = Vec4::ZERO;
-        let (mut xx, mut yy, mut zz) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
-        let (mut xy, mut yz, mut zx) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
-        for quad in self.quads(i) {
-            let d = Four::new(&quad.columns, q, q[i]);
-            let squared = d.squared_length();
-            let stiffness = Vec4::from_array(quad.stiffness);
-            let across = (stiffness - Vec4::from_array(quad.pulls) / squared.sqrt()).max(Vec4::ZERO);
-            // k (u uᵀ + across (I − u uᵀ)) in place of k I.
-            let along = (stiffness - across) / squared;
+    pub(crate) fn spring_pulls(&self, slice: usize, q: &Points) -> Lanes3 {
+        let (first, _) = self.slices.slices[slice];
+        let at = q.lanes(first);
+        let mut sum = Lanes3::ZERO;
+        let springs = &self.slices.springs;
+        springs.slots.for_each(slice, q, at, |slot, d| {
+            sum = sum - d * (springs.pulls[slot] / squared_length(d).sqrt());
+        });
+        sum
+    }
+
+    /// What the passes ask of `n` vertices from `first` on \[N\].
+    fn pass_pulls(&self, first: usize, n: usize, q: &Points) -> Lanes3 {
+        let mut pulls = [Vec3A::ZERO; LANES];
+        self.passes.iter().for_each(|pass| pass.pull_fused(first..first + n, q, &mut pulls[..n]));
+        Lanes3::from_array(pulls)
+    }
+
+    /// By how much the vertices of `slice` move \[m\], each by the scalar diagonal of Y.
+    #[inline]
+    pub(crate) fn by_diagonal(&self, slice: usize, residual: Lanes3) -> Lanes3 {
+        residual * load(self.inverse_diagonal, self.slices.slices[slice].0)
+    }
+
+    /// By how much the vertices of `slice` move \[m\], each by its own block of the Hessian; by the diagonal where `f32` cannot invert it.
+    #[inline]
+    pub(crate) fn by_blocks(&self, slice: usize, q: &Points, residual: Lanes3) -> Lanes3 {
+        let Blocks { diagonal, off } = self.blocks(slice, q);
+        let (x, y, z) = (
+            Lanes3 { x: diagonal.x, y: off.z, z: off.y },
+            Lanes3 { x: off.z, y: diagonal.y, z: off.x },
+            Lanes3 { x: off.y, y: off.x, z: diagonal.z },
+        );
+        let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
+        let determinant = x.dot(yz);
+        let adjugate = Lanes3 { x: yz.dot(residual), y: zx.dot(residual), z: xy.dot(residual) };
+        let solved = adjugate * (f32x8::ONE / determinant);
+        let is_good = determinant.simd_gt(f32x8::ZERO) & (solved.x + solved.y + solved.z).is_finite();
+        let fallback = self.by_diagonal(slice, residual);
+        Lanes3 {
+            x: is_good.bitselect(solved.x, fallback.x),
+            y: is_good.bitselect(solved.y, fallback.y),
+            z: is_good.bitselect(solved.z, fallback.z),
+        }
+    }
+
+    /// Each vertex's own block of the Hessian, of springs exactly (positive semi-definite: k (u uᵀ + across (I − u uᵀ)) in place of
+    /// k I), of passes as they say, of all else as in Y \[N/m\].
+    #[inline]
+    fn blocks(&self, slice: usize, q: &Points) -> Blocks {
+        let (first, n) = self.slices.slices[slice];
+        let at = q.lanes(first);
+        let mut isotropic = load(self.diagonal, first) + load(self.anchor_weights, first);
+        let (mut diagonal, mut off) = (Lanes3::ZERO, Lanes3::ZERO);
+        let springs = &self.slices.springs;
+        springs.slots.for_each(slice, q, at, |slot, d| {
+            let squared = squared_length(d);
+            let stiffness = springs.stiffness[slot];
+            let across = (stiffness - springs.pulls[slot] / squared.sqrt()).fast_max(f32x8::ZERO);
             isotropic += across - stiffness;
-            let (x, y, z) = (d.x * along, d.y * along, d.z * along);
-            xx += x * d.x;
-            yy += y * d.y;
-            zz += z * d.z;
-            xy += x * d.y;
-            yz += y * d.z;
-            zx += z * d.x;
+            let scaled = d * ((stiffness - across) / squared);
+            diagonal = diagonal + Lanes3 { x: scaled.x * d.x, y: scaled.y * d.y, z: scaled.z * d.z };
+            off = off + Lanes3 { x: scaled.y * d.z, y: scaled.z * d.x, z: scaled.x * d.y };
+        });
+        let isotropic = Lanes3 { x: isotropic, y: isotropic, z: isotropic };
+        let mut blocks = Blocks { diagonal: diagonal + isotropic, off };
+        if !self.passes.is_empty() {
+            blocks.add(std::array::from_fn(|lane| {
+                let mut block = Mat3::ZERO;
+                if lane < n {
+                    self.passes.iter().for_each(|pass| pass.add_to_block(first + lane, q, &mut block));
+                }
+                block
+            }));
         }
-        let isotropic = rows.diagonal[i] + self.anchor_weights[i] + isotropic.element_sum();
-        let diagonal = Vec3A::new(xx.element_sum(), yy.element_sum(), zz.element_sum());
-        let off = Vec3A::new(xy.element_sum(), yz.element_sum(), zx.element_sum());
-        let diagonal = diagonal + isotropic;
-        Mat3::from_cols(
-            Vec3::new(diagonal.x, off.x, off.z),
-            Vec3::new(off.x, diagonal.y, off.y),
-            Vec3::new(off.z, off.y, diagonal.z),
-        )
+        blocks
     }
 
-    /// Energy of the springs and flat hinges in the row of vertex i, half of each entry, and of its inertia \[J\].
-    pub(crate) fn objective(&self, i: usize, q: &[Vec3A]) -> f64 {
-        let rows = self.rows;
-        let at = q[i];
-        let mut sum = 0.5 * self.anchor_weights[i] * (at - self.anchors[i]).length_squared();
-        let (start, middle) = (rows.offsets[i] as usize, rows.spring_ends[i] as usize);
-        // An entry towards a free particle stands in two rows, one towards a pinned particle in one.
-        let share = |column: u32| if (column as usize) < rows.len() { 0.25 } else { 0.5 };
-        for k in start..middle {
-            let stretch = (q[rows.columns[k] as usize] - at).length() - rows.pulls[k] / rows.stiffness[k];
-            sum += share(rows.columns[k]) * rows.stiffness[k] * stretch * stretch;
-        }
-        for k in start..rows.offsets[i + 1] as usize {
-            let squared = (q[rows.columns[k] as usize] - at).length_squared();
-            sum += share(rows.columns[k]) * rows.linear[k] * squared;
-        }
-        f64::from(sum)
+    /// Energy of the springs and flat hinges in the rows of `slice`, half of each entry, and of the inertia of its vertices \[J\].
+    pub(crate) fn objective(&self, slice: usize, q: &Points) -> f64 {
+        let (first, n) = self.slices.slices[slice];
+        let at = q.lanes(first);
+        let from_anchor = at - self.anchors.lanes(first);
+        let mut sum = from_anchor.dot(from_anchor) * load(self.anchor_weights, first);
+        let springs = &self.slices.springs;
+        springs.slots.for_each(slice, q, at, |slot, d| {
+            let squared = squared_length(d);
+            let force = springs.stiffness[slot] * squared.sqrt() - springs.pulls[slot];
+            sum += force * force * springs.compliance[slot] + springs.slots.linear[slot] * squared;
+        });
+        let others = &self.slices.others;
+        others.for_each(slice, q, at, |slot, d| sum += others.linear[slot] * d.dot(d));
+        0.5 * sum.to_array()[..n].iter().map(|&sum| f64::from(sum)).sum::<f64>()
     }
 }
 
-/// Four differences of positions, coordinate by coordinate.
-struct Four {
-    x: Vec4,
-    y: Vec4,
-    z: Vec4,
+impl Blocks {
+    fn add(&mut self, blocks: [Mat3; LANES]) {
+        let diagonal = Lanes3::from_array(blocks.map(|m| Vec3A::new(m.x_axis.x, m.y_axis.y, m.z_axis.z)));
+        let off = Lanes3::from_array(blocks.map(|m| Vec3A::new(m.y_axis.z, m.z_axis.x, m.x_axis.y)));
+        *self = Self { diagonal: self.diagonal + diagonal, off: self.off + off };
+    }
 }
 
-impl Four {
-    #[inline]
-    fn new(columns: &[u32; 4], q: &[Vec3A], at: Vec3A) -> Self {
-        let [a, b, c, d] = columns.map(|j| q[j as usize] - at);
-        Self {
-            x: Vec4::new(a.x, b.x, c.x, d.x),
-            y: Vec4::new(a.y, b.y, c.y, d.y),
-            z: Vec4::new(a.z, b.z, c.z, d.z),
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use vivace_mesh::{ball, cloth};
+    use vivace_model::{Model, ModelBuilder};
+
+    use super::super::layout::Layout;
+    use super::super::rows::Rows;
+    use super::*;
+
+    /// A regular cloth, where most slots are runs, and a ball, where none are; each with a pinned particle.
+    fn models() -> [(&'static str, Model); 2] {
+        let mesh = cloth::regular(13, 11, 0.1).unwrap();
+        let mut builder = ModelBuilder::new();
+        builder.cloth(&mesh, 0.2).unwrap();
+        builder.springs(0, &mesh.edges(), 100.0).unwrap();
+        builder.hinges(0, &mesh.hinges(), 1e-3, false).unwrap();
+        builder.pin(3).unwrap();
+        let cloth = builder.build().unwrap().0;
+        let mesh = ball::layered(5, 1.0).unwrap();
+        let mut builder = ModelBuilder::new();
+        builder.volume(&mesh, 1000.0).unwrap();
+        builder.springs(0, &mesh.edges(), 100.0).unwrap();
+        builder.pin(3).unwrap();
+        [("cloth", cloth), ("ball", builder.build().unwrap().0)]
+    }
+
+    struct Scalar {
+        residual: DVec3,
+        objective: f64,
+        block: glam::DMat3,
+    }
+
+    /// Row i, entry by entry, in f64.
+    fn scalar(rows: &Rows, i: usize, q: &Points, anchor: Vec3A, weight: f32) -> Scalar {
+        let at = q.get(i).as_dvec3();
+        let weight = f64::from(weight);
+        let from_anchor = anchor.as_dvec3() - at;
+        let mut residual = from_anchor * weight;
+        let mut objective = 0.5 * weight * from_anchor.length_squared();
+        let mut block = glam::DMat3::from_diagonal(DVec3::splat(f64::from(rows.diagonal[i]) + weight));
+        for k in rows.offsets[i] as usize..rows.offsets[i + 1] as usize {
+            let d = q.get(rows.columns[k] as usize).as_dvec3() - at;
+            let (length, pull, k_spring) =
+                (d.length(), f64::from(rows.pulls[k]), f64::from(rows.stiffness[k]));
+            residual += d * (f64::from(rows.weights[k]) - pull / length);
+            let share = f64::from(rows.share(k));
+            objective += 0.5 * share * f64::from(rows.linear[k]) * length * length;
+            if k_spring > 0.0 {
+                objective += 0.5 * share * k_spring * (length - pull / k_spring).powi(2);
+                let (u, across) = (d / length, (k_spring - pull / length).max(0.0));
+                let uu = glam::DMat3::from_cols(u * u.x, u * u.y, u * u.z);
+                block += uu * (k_spring - across) + glam::DMat3::IDENTITY * (across - k_spring);
+            }
+        }
+        Scalar { residual, objective, block }
+    }
+
+    /// Eight at a time is one at a time, up to the rounding of a sum of a row's entries in f32.
+    #[test]
+    fn lanes_are_rows() {
+        for (name, model) in models() {
+            let graph = model.graph().unwrap();
+            let layout = Layout::new(&model, &graph);
+            let rows = Rows::new(&model, &graph, &layout);
+            let slices = Slices::new(&rows, &layout.classes, model.n_particles() + LANES);
+            let n_free = layout.n_free;
+            let (mut q, mut anchors, pulls) =
+                (Points::zeros(model.n_particles()), Points::zeros(n_free), Points::zeros(n_free));
+            for (slot, i) in (0_u16..).zip(&layout.order) {
+                let k = f32::from(u16::try_from(*i).unwrap());
+                let shift = Vec3A::new((k * 0.7).sin(), (k * 1.3).cos(), (k * 2.1).sin());
+                q.set(slot.into(), Vec3A::new(k * 0.01, 0.3, 0.0) + shift);
+                if usize::from(slot) < n_free {
+                    anchors.set(slot.into(), shift);
+                }
+            }
+            let anchor_weights = vec![3.0; n_free];
+            let inverse_diagonal: Vec<f32> = rows.diagonal.iter().map(|d| 1.0 / (d + 3.0)).collect();
+            let vertices = Vertices {
+                slices: &slices,
+                anchor_weights: &anchor_weights,
+                anchors: &anchors,
+                diagonal: &rows.diagonal,
+                inverse_diagonal: &inverse_diagonal,
+                passes: &[],
+            };
+            let mut objective = [0.0; 2];
+            let mut n_seen = 0;
+            for (slice, &(first, n)) in slices.slices.iter().enumerate() {
+                let fused = vertices.fused(slice, &q);
+                let step = vertices.by_blocks(slice, &q, fused).to_array();
+                let linear = vertices.linear(slice, &q, &pulls) + vertices.spring_pulls(slice, &q);
+                objective[0] += vertices.objective(slice, &q);
+                for (lane, step) in step.iter().enumerate().take(n) {
+                    let i = first + lane;
+                    assert_eq!((i, slices.of_vertex(i)), (n_seen, slice));
+                    n_seen += 1;
+                    let expected = scalar(&rows, i, &q, anchors.get(i), 3.0);
+                    objective[1] += expected.objective;
+                    let bound = 1e-5 * f64::from(rows.diagonal[i]) * 4.0;
+                    for got in [fused, linear] {
+                        let error = (got.to_array()[lane].as_dvec3() - expected.residual).length();
+                        assert!(error < bound, "{name} {i}: {error} {bound}");
+                    }
+                    let error = (step.as_dvec3() - expected.block.inverse() * expected.residual).length();
+                    assert!(error < 1e-4, "{name} {i}: {error}");
+                }
+            }
+            assert_eq!(n_seen, n_free);
+            assert!((objective[0] / objective[1] - 1.0).abs() < 1e-6, "{name}: {objective:?}");
         }
     }
-
-    /// At least [`TINY`].
-    #[inline]
-    fn squared_length(&self) -> Vec4 {
-        (self.x * self.x + self.y * self.y + self.z * self.z).max(Vec4::splat(TINY * TINY))
-    }
-
-    #[inline]
-    fn length(&self) -> Vec4 {
-        self.squared_length().sqrt()
-    }
-}
-
-/// `Σ_j −Y_ij (q_j − q_i)`.
-#[inline]
-fn taps(columns: &[u32], weights: &[f32], q: &[Vec3A], at: Vec3A) -> Vec3A {
-    let (mut even, mut odd) = (Vec3A::ZERO, Vec3A::ZERO);
-    let (columns2, columns1) = columns.as_chunks::<2>();
-    let (weights2, weights1) = weights.as_chunks::<2>();
-    for (columns, weights) in columns2.iter().zip(weights2) {
-        even += (q[columns[0] as usize] - at) * weights[0];
-        odd += (q[columns[1] as usize] - at) * weights[1];
-    }
-    if let (Some(&column), Some(&weight)) = (columns1.first(), weights1.first()) {
-        even += (q[column as usize] - at) * weight;
-    }
-    even + odd
-}
-
-/// Vertices that one thread computes before another may take over.
-pub(crate) const GRAIN: usize = 256;
-
-/// `out[k] = f(range.start + k)`, on all threads of the pool.
-pub(crate) fn fill<T: Send>(range: Range<usize>, out: &mut [T], f: impl Fn(usize) -> T + Sync) {
-    let piece = |first: usize, out: &mut [T]| {
-        for (k, out) in out.iter_mut().enumerate() {
-            *out = f(first + k);
-        }
-    };
-    let n_threads = rayon::current_num_threads();
-    if n_threads == 1 || out.len() < 2 * GRAIN {
-        return piece(range.start, out);
-    }
-    let len = out.len().div_ceil(n_threads).max(GRAIN);
-    out.par_chunks_mut(len).enumerate().for_each(|(k, out)| piece(range.start + k * len, out));
-}
-
-/// Sums `f` over `0..n`, piece by piece in order, so that the number of threads does not show.
-pub(crate) fn sum_in_pieces(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
-    const PIECE: usize = 1024;
-    let sum = |piece: usize| (piece * PIECE..((piece + 1) * PIECE).min(n)).map(&f).sum::<f64>();
-    if rayon::current_num_threads() == 1 || n < 2 * PIECE {
-        return (0..n.div_ceil(PIECE)).map(sum).sum();
-    }
-    let pieces: Vec<f64> = (0..n.div_ceil(PIECE)).into_par_iter().map(sum).collect();
-    pieces.iter().sum()
 }

@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use glam::DVec3;
 
-use super::cholesky::Cholesky;
 use super::objective::Objective;
 use crate::SolverError;
+use crate::cholesky::Cholesky;
 
 /// Local-global iterations (Bouaziz et al. 2014) before anything faster. A cloth that buckles has many minima; these lead to the
 /// one that Projective Dynamics itself would find.

@@ -2,10 +2,9 @@
 //!
 //! Implicit Euler's step is a minimum of `g(x) = 1/(2h²) Σ m |x − s|² + Σ W(x)` (Liu et al. 2013, Bouaziz et al. 2014), s being the
 //! prediction and W the energies of constraints. Here it is found to the last digits, with nothing of the solvers' own code but
-//! the rest data of constraints: local-global iterations first, because g has many minima and that is where they lead, then
+//! the rest data of constraints and the wrapper of the Cholesky factorization: local-global iterations first, because g has many minima and that is where they lead, then
 //! quasi-Newton steps with Y as first guess of the Hessian (Liu, Bouaziz and Kavan 2017), then Newton's. On one thread.
 
-pub(crate) mod cholesky;
 mod kinds;
 mod minimize;
 mod objective;

@@ -5,8 +5,8 @@ use std::fmt;
 use glam::{DMat3, DVec3};
 use vivace_model::{Constraints, Model, Store};
 
-use super::cholesky::Pattern;
 use super::kinds::Exact;
+use crate::cholesky::Pattern;
 
 /// `g(x) = 1/(2h²) Σ m |x − s|² + Σ W(x)` \[J\], with pinned particles where s has them.
 #[derive(Debug)]

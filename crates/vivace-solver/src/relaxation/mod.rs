@@ -35,18 +35,6 @@ impl Schedule {
         Self { relaxation, weights: Weights::new(rho, delay), k: 0, sweeps: 0, delay: least_delay }
     }
 
-    /// Whether safeguarding can help: plain iterations never raise the objective.
-    pub(crate) fn is_accelerated(&self) -> bool {
-        match self.relaxation {
-            Relaxation::GaussSeidel { omega, .. } | Relaxation::Lexicographic { omega } => omega > 1.0,
-            Relaxation::Jacobi { omega } => omega > 0.5,
-            Relaxation::Chebyshev { .. }
-            | Relaxation::SymmetricChebyshev { .. }
-            | Relaxation::ChebyshevGaussSeidel { .. } => true,
-            Relaxation::ConjugateGradient { .. } | Relaxation::Direct => false,
-        }
-    }
-
     /// One iteration: the body of the loop in Algorithm 1, after the local step where it is apart.
     pub(crate) fn iterate(&mut self, stages: &mut impl Stages) {
         if self.sweeps == 0 || self.sweeps >= stages.n_sweeps() {
@@ -97,6 +85,18 @@ impl Schedule {
 
     fn ramped(&self, omega: f32) -> f32 {
         if self.k < self.delay { omega.min(1.0) } else { omega }
+    }
+}
+
+/// Whether safeguarding can help: plain iterations never raise the objective of Projective Dynamics.
+pub(crate) fn is_accelerated(relaxation: Relaxation) -> bool {
+    match relaxation {
+        Relaxation::GaussSeidel { omega, .. } | Relaxation::Lexicographic { omega } => omega > 1.0,
+        Relaxation::Jacobi { omega } => omega > 0.5,
+        Relaxation::Chebyshev { .. }
+        | Relaxation::SymmetricChebyshev { .. }
+        | Relaxation::ChebyshevGaussSeidel { .. } => true,
+        Relaxation::ConjugateGradient { .. } | Relaxation::Direct => false,
     }
 }
 
