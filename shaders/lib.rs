@@ -13,6 +13,8 @@ mod kernel;
 pub mod coloring;
 #[path = "constraint/mod.rs"]
 pub mod constraint;
+#[path = "common/lanes.rs"]
+pub mod lanes;
 #[path = "common/mat3.rs"]
 pub mod mat3;
 #[path = "common/pcg.rs"]

@@ -13,8 +13,10 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, DVec4, Mat3, Vec3};
+use wide::f32x4;
 
-use super::Constraint;
+use super::{BATCH, Constraint};
+use crate::lanes::{Lanes3, each};
 
 /// The rest data of a hinge.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -115,7 +117,20 @@ impl Constraint<4, 1> for Bending {
         let u = d.try_normalize().unwrap_or(Vec3::ZERO);
         (d.length() - self.rest, self.row.map(|k| k * u))
     }
+
+    #[inline]
+    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 4]) -> Option<(f32x4, [Lanes3<f32x4>; 4])> {
+        let k = |slot: usize| each(rest, |rest| rest.row[slot]);
+        let k = [k(0), k(1), k(2), k(3)];
+        let d = (q[1] - q[0]) * k[1] + (q[2] - q[0]) * k[2] + (q[3] - q[0]) * k[3];
+        let length = d.dot(d).fast_max(f32x4::splat(TINY * TINY)).sqrt();
+        let u = d * (f32x4::ONE / length);
+        Some((length - each(rest, |rest| rest.rest), [u * k[0], u * k[1], u * k[2], u * k[3]]))
+    }
 }
+
+/// Lengths below this are 0 \[m\]; its square is a normal number.
+const TINY: f32 = 1e-18;
 
 #[cfg(test)]
 mod tests {

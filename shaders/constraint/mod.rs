@@ -20,7 +20,8 @@ mod triangle_strain;
 #[cfg(test)]
 mod tests;
 
-use glam::{Mat3, Vec3, Vec3A};
+use glam::{Mat3, Vec3, Vec4};
+use wide::f32x4;
 
 pub use attachment::Attachment;
 pub use bending::Bending;
@@ -30,12 +31,14 @@ pub use tet_volume::TetVolume;
 pub use triangle_strain::TriangleStrain;
 
 use crate::Element;
+use crate::lanes::{Lanes3, each};
+
+/// Constraints that are projected together: what SSE2 and NEON hold in a register.
+pub const BATCH: usize = 4;
 
 /// What a projection of Position Based Dynamics needs beside the constraint.
 #[derive(Debug, Clone, Copy)]
-pub struct Xpbd<'a> {
-    /// w \[1/kg\], one per particle; 0 where pinned.
-    pub inverse_masses: &'a [f32],
+pub struct Xpbd {
     /// h² \[s²\].
     pub squared_h: f32,
     /// Over-relaxation \[1\].
@@ -141,35 +144,60 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
         (c, gradient)
     }
 
-    /// One projection of XPBD (Macklin, Müller, Chentanez 2016, Eq. 18), `Δλ = ω (−C − α̃ λ) / (Σ w |∇C|² + α̃)`: adds Δλ to
-    /// `lambda`, returns by how much each particle moves \[m\].
+    /// [`Constraint::deviation`] of four constraints at once, for kinds that have it.
     #[inline]
-    fn correct(&self, particles: &[u32; N], xpbd: &Xpbd<'_>, q: &[Vec3A], lambda: &mut f32) -> [Vec3A; N] {
-        let (c, gradient) = self.deviation(&particles.map(|p| q[p as usize].into()));
-        let w = particles.map(|p| xpbd.inverse_masses[p as usize]);
+    fn deviations(_rest: &[Self; BATCH], _q: &[Lanes3<f32x4>; N]) -> Option<(f32x4, [Lanes3<f32x4>; N])> {
+        None
+    }
+
+    /// One projection of XPBD (Macklin, Müller, Chentanez 2016, Eq. 18), `Δλ = ω (−C − α̃ λ) / (Σ w |∇C|² + α̃)`: adds Δλ to
+    /// `lambda`, returns by how much each particle moves \[m\], and 0. `q` is the position \[m\] and the inverse mass w
+    /// \[1/kg\] of every particle, w = 0 where pinned.
+    #[inline]
+    fn correct(&self, particles: &[u32; N], xpbd: &Xpbd, q: &[Vec4], lambda: &mut f32) -> [Vec4; N] {
+        let q = particles.map(|p| q[p as usize]);
+        let (c, gradient) = self.deviation(&q.map(Vec4::truncate));
         let compliance = 1.0 / (self.weight() * xpbd.squared_h);
         let mut denominator = compliance;
-        for (gradient, w) in gradient.iter().zip(&w) {
-            denominator += w * gradient.length_squared();
+        for (gradient, q) in gradient.iter().zip(&q) {
+            denominator += q.w * gradient.length_squared();
         }
         let step = xpbd.omega * (-c - compliance * *lambda) / denominator;
         *lambda += step;
-        std::array::from_fn(|slot| Vec3A::from(gradient[slot]) * (w[slot] * step))
+        std::array::from_fn(|slot| (gradient[slot] * (q[slot].w * step)).extend(0.0))
     }
+}
 
-    /// [`Constraint::correct`] for constraints that share no free particle, applied.
-    fn correct_all(
-        rest: &[Self],
-        particles: &[[u32; N]],
-        xpbd: &Xpbd<'_>,
-        q: &mut [Vec3A],
-        lambdas: &mut [f32],
-    ) {
-        for ((rest, particles), lambda) in rest.iter().zip(particles).zip(lambdas) {
-            let moves = rest.correct(particles, xpbd, q, lambda);
-            for (&p, step) in particles.iter().zip(moves) {
-                q[p as usize] += step;
-            }
-        }
+/// [`Constraint::correct`] of four constraints that share no free particle: by how much each slot's particles move; `None` for kinds
+/// that have no [`Constraint::deviations`].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "four constraints stay in registers only if it is")]
+pub fn correct_batch<C: Constraint<N, R>, const N: usize, const R: usize>(
+    rest: &[C; BATCH],
+    particles: &[[u32; N]; BATCH],
+    xpbd: &Xpbd,
+    q: &[Vec4],
+    lambdas: &mut [f32; BATCH],
+) -> Option<[[Vec4; BATCH]; N]> {
+    // Loops: `array::from_fn` and `array::map` may become calls, and everything here is to stay in registers.
+    let (mut corners, mut w) = ([Lanes3::<f32x4>::ZERO; N], [f32x4::ZERO; N]);
+    for slot in 0..N {
+        let [a, b, c, d] = particles;
+        let of = |particle: u32| q[particle as usize];
+        (corners[slot], w[slot]) = Lanes3::from_vec4s([of(a[slot]), of(b[slot]), of(c[slot]), of(d[slot])]);
     }
+    let (c, gradient) = C::deviations(rest, &corners)?;
+    let compliance = f32x4::ONE / (each(rest, C::weight) * f32x4::splat(xpbd.squared_h));
+    let mut denominator = compliance;
+    for (gradient, w) in gradient.iter().zip(&w) {
+        denominator += *w * gradient.dot(*gradient);
+    }
+    let lambda = f32x4::new(*lambdas);
+    let step = f32x4::splat(xpbd.omega) * (-c - compliance * lambda) / denominator;
+    *lambdas = (lambda + step).to_array();
+    let mut moves = [[Vec4::ZERO; BATCH]; N];
+    for slot in 0..N {
+        moves[slot] = (gradient[slot] * (w[slot] * step)).to_vec4s();
+    }
+    Some(moves)
 }

@@ -69,8 +69,30 @@ fn check<C: Constraint<N, R>, const N: usize, const R: usize>(rest: &C, x: [Vec3
     let many: Vec<[Vec3; N]> = (0..150).map(|_| x.map(|x| x + 0.7 * random(&mut seed))).collect();
     let mut projected = vec![[Vec3::NAN; R]; many.len()];
     C::project_all(&vec![*rest; many.len()], |k| many[k], &mut projected);
+    let (batches, _) = many.as_chunks();
+    batches.iter().for_each(|batch| check_batch(rest, batch, size * size * size));
+    let [a, b, c, d, ..] = degenerate(x);
+    check_batch(rest, &[a, b, c, d], size * size * size);
     for (q, projected) in many.iter().zip(projected) {
         assert_eq!(projected, rest.project(rest.apply(q)), "{name}: in bulk");
+    }
+}
+
+/// Four at a time is one at a time.
+fn check_batch<C: Constraint<N, R>, const N: usize, const R: usize>(
+    rest: &C,
+    q: &[[Vec3; N]; BATCH],
+    size: f32,
+) {
+    let lanes = std::array::from_fn(|slot| Lanes3::from_vec4s(q.map(|q| q[slot].extend(0.0))).0);
+    let Some((c, gradient)) = C::deviations(&[*rest; BATCH], &lanes) else { return };
+    for (lane, q) in q.iter().enumerate() {
+        let (expected, gradients) = rest.deviation(q);
+        let bound = 1e-5 * size * (1.0 + expected.abs());
+        assert!((c.to_array()[lane] - expected).abs() <= bound, "{}: {c} {expected}", C::NAME);
+        for (gradient, expected) in gradient.iter().zip(gradients) {
+            close(gradient.to_vec4s()[lane].truncate(), expected, bound, &format!("{}: batch", C::NAME));
+        }
     }
 }
 

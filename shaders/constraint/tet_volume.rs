@@ -7,8 +7,10 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
+use wide::f32x4;
 
-use super::{Constraint, tet_strain::gradient};
+use super::{BATCH, Constraint, tet_strain::gradient};
+use crate::lanes::{Lanes3, each};
 use crate::mat3::svd;
 
 /// The rest data of a tetrahedron.
@@ -21,6 +23,10 @@ pub struct TetVolume {
     pub weight: f32,
     /// The least and the most volume, as fractions of that at rest \[1\].
     pub range: [f32; 2],
+    /// Cube roots of the range: what is needed in every projection, and rounds differently from machine to machine.
+    pub edges: [f32; 2],
+    /// 1/det of the edges at rest \[1/m³\], by its sign.
+    pub inverse_det: f32,
 }
 
 impl TetVolume {
@@ -29,7 +35,9 @@ impl TetVolume {
     #[must_use]
     pub fn rest(x: [Vec3; 4], stiffness: f32, range: [f32; 2]) -> Option<Self> {
         let (columns, weight) = gradient(x, stiffness)?;
-        Some(Self { columns, weight, range })
+        let [_, b, c, d] = columns.map(Vec3::from_array);
+        let edges = range.map(f32::cbrt);
+        Some(Self { columns, weight, range, edges, inverse_det: b.cross(c).dot(d) })
     }
 
     /// The determinant nearest to `det` in the range.
@@ -39,14 +47,14 @@ impl TetVolume {
     }
 }
 
-/// The values nearest to `sigma` (of the order and signs of [`svd`]) with product `target` > 0.
+/// The values nearest to `sigma` (of the order and signs of [`svd`]) with product `target` > 0, `edge` its cube root.
 ///
 /// With x = s₂ for a parameter, m = x (x − σ₂), s_i = (σ_i + √(σ_i² + 4m))/2 for the larger two, and the product is to be
 /// `target`: one equation, for Newton's method between bounds.
-fn nearest_with_product(sigma: Vec3, target: f32) -> Vec3 {
-    let edge = target.cbrt();
+fn nearest_with_product(sigma: Vec3, target: f32, edge: f32) -> Vec3 {
     let scale = sigma.x.max(edge);
-    let (sigma, target) = (sigma / scale, (edge / scale).powi(3));
+    let root = edge / scale;
+    let (sigma, target) = (sigma / scale, root * root * root);
     let larger = |x: f32| {
         let m4 = 4.0 * x * (x - sigma.z);
         let root = |s: f32| (s * s + m4).max(0.0).sqrt();
@@ -98,27 +106,44 @@ impl Constraint<4, 3> for TetVolume {
             return f;
         }
         let (u, sigma, v) = svd(Mat3::from_cols(f[0], f[1], f[2]));
-        let p = u * Mat3::from_diagonal(nearest_with_product(sigma, target)) * v.transpose();
+        let edge = if det < target { self.edges[0] } else { self.edges[1] };
+        let p = u * Mat3::from_diagonal(nearest_with_product(sigma, target, edge)) * v.transpose();
         [p.x_axis, p.y_axis, p.z_axis]
     }
 
-    /// C = (det F − t)/√3, t the nearest determinant in the range, whose gradients are cross products and need no singular
+    /// C = (det F − t)/√3, t the nearest determinant in the range, whose gradients are cross products of edges and need no singular
     /// values. W = w/2 C² to lowest order near a rotation, where ‖F − p‖² = (det F − t)²/3; further off it is another energy.
     /// Inside the range C and its gradient are 0.
     #[inline]
     fn deviation(&self, q: &[Vec3; 4]) -> (f32, [Vec3; 4]) {
-        const SCALE: f32 = 0.577_350_26;
-        let [x, y, z] = self.apply(q);
-        let cofactor = [y.cross(z), z.cross(x), x.cross(y)];
-        let det = x.dot(cofactor[0]);
+        let [x, y, z] = [q[1] - q[0], q[2] - q[0], q[3] - q[0]];
+        let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
+        let det = x.dot(yz) * self.inverse_det;
         if det > self.range[0] && det < self.range[1] {
             return (0.0, [Vec3::ZERO; 4]);
         }
-        let gradient =
-            self.columns.map(|[a, b, c]| (cofactor[0] * a + cofactor[1] * b + cofactor[2] * c) * SCALE);
-        ((det - self.target(det)) * SCALE, gradient)
+        let scale = SCALE * self.inverse_det;
+        let [b, c, d] = [yz * scale, zx * scale, xy * scale];
+        ((det - self.target(det)) * SCALE, [-(b + c + d), b, c, d])
+    }
+
+    #[inline]
+    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 4]) -> Option<(f32x4, [Lanes3<f32x4>; 4])> {
+        let (x, y, z) = (q[1] - q[0], q[2] - q[0], q[3] - q[0]);
+        let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
+        let inverse_det = each(rest, |rest| rest.inverse_det);
+        let det = x.dot(yz) * inverse_det;
+        let (low, high) = (each(rest, |rest| rest.range[0]), each(rest, |rest| rest.range[1]));
+        let is_inside = det.simd_gt(low) & det.simd_lt(high);
+        let scale = is_inside.bitselect(f32x4::ZERO, inverse_det * f32x4::splat(SCALE));
+        let [b, c, d] = [yz * scale, zx * scale, xy * scale];
+        let deviation = (det - det.fast_min(high).fast_max(low)) * f32x4::splat(SCALE);
+        Some((deviation, [-(b + c + d), b, c, d]))
     }
 }
+
+/// 1/√3.
+const SCALE: f32 = 0.577_350_26;
 
 #[cfg(test)]
 mod tests {
@@ -135,7 +160,7 @@ mod tests {
             }
             for target in [0.3, 1.0, 2.0] {
                 let sigma = Vec3::new(x, y, z);
-                let s = nearest_with_product(sigma, target);
+                let s = nearest_with_product(sigma, target, target.cbrt());
                 assert!(s.min_element() > 0.0, "{sigma} {target}: {s}");
                 assert!((s.element_product() - target).abs() < 2e-6 * target, "{sigma} {target}: {s}");
                 // No point of the set around it is nearer.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use glam::{Vec3, Vec3A};
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
-use vivace_kernels::constraint::{Constraint, Xpbd};
+use vivace_kernels::constraint::{BATCH, Constraint, Xpbd, correct_batch};
 use vivace_model::{KindVisitor, Model, Store};
 
 use super::coloring::color_constraints;
@@ -22,15 +22,15 @@ pub(super) trait Kind: Send + Sync + std::fmt::Debug {
     /// Forgets the multipliers: a time step of `h` \[s\] begins.
     fn begin(&mut self, h: f32);
     /// Projects the constraints of one color, one after another or at once: they share no particle.
-    fn relax_color(&mut self, color: u32, omega: f32, w: &[f32], q: &mut [Vec3A]);
+    fn relax_color(&mut self, color: u32, omega: f32, q: &mut [Vec4]);
     /// Adds to `sums` what every constraint would do from the same q, over the number of constraints of its busiest particle.
-    fn relax_all(&mut self, omega: f32, w: &[f32], counts: &[f32], q: &[Vec3A], sums: &mut [Vec3A]);
+    fn relax_all(&mut self, omega: f32, counts: &[f32], q: &[Vec4], sums: &mut [Vec4]);
     /// Projects all constraints in the model's order.
-    fn relax_in_order(&mut self, omega: f32, w: &[f32], q: &mut [Vec3A]);
+    fn relax_in_order(&mut self, omega: f32, q: &mut [Vec4]);
     /// Their energy w C² / 2 \[J\].
-    fn energy(&self, q: &[Vec3A]) -> f64;
+    fn energy(&self, q: &[Vec4]) -> f64;
     /// Adds the gradient of their energy, w C ∇C, to each particle \[N\].
-    fn add_gradient(&self, q: &[Vec3A], sums: &mut [Vec3A]);
+    fn add_gradient(&self, q: &[Vec4], sums: &mut [Vec4]);
     /// Counts the constraints of each particle.
     fn count(&self, counts: &mut [f32]);
     /// Moves the target of attachment `idx` of the model, if this kind is that of attachments.
@@ -53,7 +53,7 @@ struct KindOf<C, const N: usize, const R: usize> {
     lambdas: Vec<f32>,
     history: History<f32>,
     h: f32,
-    moves: Vec<[Vec3A; N]>,
+    moves: Vec<[Vec4; N]>,
 }
 
 /// Collects the kinds of a model.
@@ -94,7 +94,7 @@ impl KindVisitor for Kinds {
             lambdas: vec![0.0; store.len()],
             history: History::new(store.len()),
             h: 1.0,
-            moves: vec![[Vec3A::ZERO; N]; store.len()],
+            moves: vec![[Vec4::ZERO; N]; store.len()],
         }));
     }
 }
@@ -122,63 +122,81 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
         self.history.restore(&mut self.lambdas);
     }
 
-    fn relax_color(&mut self, color: u32, omega: f32, w: &[f32], q: &mut [Vec3A]) {
+    fn relax_color(&mut self, color: u32, omega: f32, q: &mut [Vec4]) {
         let range = self.colors[color as usize].clone();
-        let xpbd = Xpbd { inverse_masses: w, squared_h: self.h * self.h, omega };
+        let xpbd = Xpbd { squared_h: self.h * self.h, omega };
         let (rest, particles) = (&self.rest[range.clone()], &self.particles[range.clone()]);
         let lambdas = &mut self.lambdas[range.clone()];
-        // Springs, four at a time, are done before what other threads find is applied.
-        let least = if N == 2 { usize::MAX } else { 2 * GRAIN };
-        if rayon::current_num_threads() == 1 || range.len() < least {
-            return C::correct_all(rest, particles, &xpbd, q, lambdas);
+        if rayon::current_num_threads() == 1 || range.len() < 2 * GRAIN {
+            let (some_rest, rest) = rest.as_chunks();
+            let (some_particles, particles) = particles.as_chunks();
+            let (some_lambdas, lambdas) = lambdas.as_chunks_mut();
+            for ((rest, particles), lambdas) in some_rest.iter().zip(some_particles).zip(some_lambdas) {
+                if let Some(moves) = correct_batch(rest, particles, &xpbd, q, lambdas) {
+                    for slot in 0..N {
+                        for (particles, step) in particles.iter().zip(moves[slot]) {
+                            q[particles[slot] as usize] += step;
+                        }
+                    }
+                } else {
+                    correct_each(rest, particles, &xpbd, q, lambdas);
+                }
+            }
+            correct_each(rest, particles, &xpbd, q, lambdas);
+            return;
         }
         // Found in parallel, then applied: the host has no way to write scattered elements from many threads.
         let moves = &mut self.moves[range];
         let positions = &*q;
-        let all = particles.par_iter().zip(rest).zip(lambdas).zip(&mut *moves).with_min_len(GRAIN);
-        all.for_each(|(((particles, rest), lambda), moves)| {
-            *moves = rest.correct(particles, &xpbd, positions, lambda);
+        let (rest, some) = (rest.par_chunks(BATCH), particles.par_chunks(BATCH));
+        let some = rest.zip(some).zip(lambdas.par_chunks_mut(BATCH)).zip(moves.par_chunks_mut(BATCH));
+        some.with_min_len(GRAIN / BATCH).for_each(|(((rest, particles), lambdas), moves)| {
+            if let (Some(rest), Some(particles), Some(lambdas)) =
+                (rest.first_chunk(), particles.first_chunk(), lambdas.first_chunk_mut())
+                && let Some(found) = correct_batch(rest, particles, &xpbd, positions, lambdas)
+            {
+                for (lane, moves) in moves.iter_mut().enumerate() {
+                    *moves = std::array::from_fn(|slot| found[slot][lane]);
+                }
+                return;
+            }
+            for (((rest, particles), lambda), moves) in rest.iter().zip(particles).zip(lambdas).zip(moves) {
+                *moves = rest.correct(particles, &xpbd, positions, lambda);
+            }
         });
         scatter(particles, moves, q);
     }
 
-    fn relax_all(&mut self, omega: f32, w: &[f32], counts: &[f32], q: &[Vec3A], sums: &mut [Vec3A]) {
+    fn relax_all(&mut self, omega: f32, counts: &[f32], q: &[Vec4], sums: &mut [Vec4]) {
         let squared_h = self.h * self.h;
         let moves = self.moves.par_iter_mut().zip(&mut self.lambdas).zip(&self.particles).zip(&self.rest);
         moves.with_min_len(GRAIN).for_each(|(((moves, lambda), particles), rest)| {
             let busiest = particles.iter().map(|&p| counts[p as usize]).fold(1.0, f32::max);
-            let xpbd = Xpbd { inverse_masses: w, squared_h, omega: omega / busiest };
-            *moves = rest.correct(particles, &xpbd, q, lambda);
+            *moves = rest.correct(particles, &Xpbd { squared_h, omega: omega / busiest }, q, lambda);
         });
         scatter(&self.particles, &self.moves, sums);
     }
 
-    fn relax_in_order(&mut self, omega: f32, w: &[f32], q: &mut [Vec3A]) {
-        let xpbd = Xpbd { inverse_masses: w, squared_h: self.h * self.h, omega };
+    fn relax_in_order(&mut self, omega: f32, q: &mut [Vec4]) {
+        let xpbd = Xpbd { squared_h: self.h * self.h, omega };
         for &k in &self.place {
-            let one = k as usize..k as usize + 1;
-            C::correct_all(
-                &self.rest[one.clone()],
-                &self.particles[one.clone()],
-                &xpbd,
-                q,
-                &mut self.lambdas[one],
-            );
+            let k = k as usize;
+            correct_each(&self.rest[k..=k], &self.particles[k..=k], &xpbd, q, &mut self.lambdas[k..=k]);
         }
     }
 
-    fn energy(&self, q: &[Vec3A]) -> f64 {
+    fn energy(&self, q: &[Vec4]) -> f64 {
         sum(0..self.rest.len(), &|k: usize| {
-            let (c, _) = self.rest[k].deviation(&self.particles[k].map(|p| q[p as usize].into()));
+            let (c, _) = self.rest[k].deviation(&self.particles[k].map(|p| q[p as usize].truncate()));
             0.5 * f64::from(self.rest[k].weight()) * f64::from(c) * f64::from(c)
         })
     }
 
-    fn add_gradient(&self, q: &[Vec3A], sums: &mut [Vec3A]) {
+    fn add_gradient(&self, q: &[Vec4], sums: &mut [Vec4]) {
         for (particles, rest) in self.particles.iter().zip(&self.rest) {
-            let (c, gradient) = rest.deviation(&particles.map(|p| q[p as usize].into()));
+            let (c, gradient) = rest.deviation(&particles.map(|p| q[p as usize].truncate()));
             for (&p, gradient) in particles.iter().zip(gradient) {
-                sums[p as usize] += Vec3A::from(gradient) * (rest.weight() * c);
+                sums[p as usize] += (gradient * (rest.weight() * c)).extend(0.0);
             }
         }
     }
@@ -199,8 +217,24 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
     }
 }
 
+/// Projects one constraint after another.
+fn correct_each<C: Constraint<N, R>, const N: usize, const R: usize>(
+    rest: &[C],
+    particles: &[[u32; N]],
+    xpbd: &Xpbd,
+    q: &mut [Vec4],
+    lambdas: &mut [f32],
+) {
+    for ((rest, particles), lambda) in rest.iter().zip(particles).zip(lambdas) {
+        let moves = rest.correct(particles, xpbd, q, lambda);
+        for (&particle, step) in particles.iter().zip(moves) {
+            q[particle as usize] += step;
+        }
+    }
+}
+
 /// Adds to each constraint's particles what it moves them by, in order.
-fn scatter<const N: usize>(particles: &[[u32; N]], moves: &[[Vec3A; N]], q: &mut [Vec3A]) {
+fn scatter<const N: usize>(particles: &[[u32; N]], moves: &[[Vec4; N]], q: &mut [Vec4]) {
     for (particles, moves) in particles.iter().zip(moves) {
         for (&p, step) in particles.iter().zip(moves) {
             q[p as usize] += *step;

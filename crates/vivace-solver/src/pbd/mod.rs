@@ -8,7 +8,7 @@
 mod coloring;
 mod kind;
 
-use glam::{Vec3, Vec3A};
+use glam::{Vec3, Vec4};
 use vivace_model::Model;
 
 use crate::history::History;
@@ -21,16 +21,15 @@ use kind::{Kind, Kinds};
 pub struct PositionBased {
     kinds: Vec<Box<dyn Kind>>,
     n_colors: u32,
-    /// Inverse masses \[1/kg\]; 0 where pinned.
-    w: Vec<f32>,
     n_free: usize,
     /// Constraints of each free particle.
     counts: Vec<f32>,
     h: f32,
-    predicted: Vec<Vec3A>,
-    q: Vec<Vec3A>,
-    history: History<Vec3A>,
-    sums: Vec<Vec3A>,
+    predicted: Vec<Vec4>,
+    /// Positions \[m\], and inverse masses \[1/kg\]: 0 where pinned.
+    q: Vec<Vec4>,
+    history: History<Vec4>,
+    sums: Vec<Vec4>,
 }
 
 impl PositionBased {
@@ -43,22 +42,20 @@ impl PositionBased {
         let n = model.n_particles();
         let mut counts = vec![0.0; n];
         kinds.iter().for_each(|kind| kind.count(&mut counts));
-        let w: Vec<f32> = model.masses().iter().map(|mass| 1.0 / mass).collect();
+        let q: Vec<Vec4> = model.masses().iter().map(|mass| Vec3::ZERO.extend(1.0 / mass)).collect();
         // What is pinned moves for nobody, however many ask.
-        counts.iter_mut().zip(&w).filter(|(_, w)| **w == 0.0).for_each(|(count, _)| *count = 0.0);
-        let n_free = w.iter().filter(|w| **w > 0.0).count();
-        let zeros = || vec![Vec3A::ZERO; n];
+        counts.iter_mut().zip(&q).filter(|(_, q)| q.w == 0.0).for_each(|(count, _)| *count = 0.0);
+        let n_free = q.iter().filter(|q| q.w > 0.0).count();
         Ok(Self {
             kinds,
             n_colors,
-            w,
             n_free,
             counts,
             h: 0.0,
-            predicted: zeros(),
-            q: zeros(),
+            predicted: q.clone(),
+            q,
             history: History::new(n),
-            sums: zeros(),
+            sums: vec![Vec4::ZERO; n],
         })
     }
 
@@ -82,7 +79,7 @@ impl PositionBased {
     pub(crate) fn begin(&mut self, h: f32, predicted: &[Vec3]) {
         self.h = h;
         for (q, &p) in self.q.iter_mut().zip(predicted) {
-            *q = p.into();
+            *q = p.extend(q.w);
         }
         self.predicted.copy_from_slice(&self.q);
         self.history.begin(&self.q);
@@ -92,7 +89,7 @@ impl PositionBased {
     /// Writes the positions \[m\].
     pub(crate) fn end(&self, positions: &mut [Vec3]) {
         for (position, &q) in positions.iter_mut().zip(&self.q) {
-            *position = q.into();
+            *position = q.truncate();
         }
     }
 }
@@ -106,7 +103,7 @@ impl Stages for PositionBased {
 
     fn relax_color(&mut self, color: u32, omega: f32) {
         for kind in &mut self.kinds {
-            kind.relax_color(color, omega, &self.w, &mut self.q);
+            kind.relax_color(color, omega, &mut self.q);
         }
     }
 
@@ -123,9 +120,9 @@ impl Stages for PositionBased {
     }
 
     fn relax_all(&mut self, omega: f32) {
-        self.sums.fill(Vec3A::ZERO);
+        self.sums.fill(Vec4::ZERO);
         for kind in &mut self.kinds {
-            kind.relax_all(omega, &self.w, &self.counts, &self.q, &mut self.sums);
+            kind.relax_all(omega, &self.counts, &self.q, &mut self.sums);
         }
         for (q, sum) in self.q.iter_mut().zip(&self.sums) {
             *q += *sum;
@@ -134,7 +131,7 @@ impl Stages for PositionBased {
 
     fn relax_in_order(&mut self, omega: f32) {
         for kind in &mut self.kinds {
-            kind.relax_in_order(omega, &self.w, &mut self.q);
+            kind.relax_in_order(omega, &mut self.q);
         }
     }
 
@@ -163,12 +160,8 @@ impl Stages for PositionBased {
 
     fn objective(&self) -> f64 {
         let of = |i: usize| {
-            let squared = f64::from((self.q[i] - self.predicted[i]).length_squared());
-            if self.w[i] > 0.0 {
-                squared / (2.0 * f64::from(self.w[i]) * f64::from(self.h * self.h))
-            } else {
-                0.0
-            }
+            let (squared, w) = (f64::from((self.q[i] - self.predicted[i]).length_squared()), self.q[i].w);
+            if w > 0.0 { squared / (2.0 * f64::from(w) * f64::from(self.h * self.h)) } else { 0.0 }
         };
         let inertia = sum(0..self.q.len(), &of);
         inertia + self.kinds.iter().map(|kind| kind.energy(&self.q)).sum::<f64>()
@@ -180,12 +173,13 @@ impl Stages for PositionBased {
     }
 
     fn residual(&mut self) -> f64 {
-        self.sums.fill(Vec3A::ZERO);
+        self.sums.fill(Vec4::ZERO);
         self.kinds.iter().for_each(|kind| kind.add_gradient(&self.q, &mut self.sums));
         let squared_h = self.h * self.h;
         let of = |i: usize| {
-            let inertia = (self.q[i] - self.predicted[i]) / (self.w[i] * squared_h);
-            if self.w[i] > 0.0 { f64::from((inertia + self.sums[i]).length_squared()) } else { 0.0 }
+            let w = self.q[i].w;
+            let inertia = (self.q[i] - self.predicted[i]) / (w * squared_h);
+            if w > 0.0 { f64::from((inertia + self.sums[i]).length_squared()) } else { 0.0 }
         };
         (sum(0..self.q.len(), &of) / self.n_free.max(1) as f64).sqrt()
     }

@@ -2,83 +2,19 @@
 
 #![allow(clippy::inline_always, reason = "eight lanes stay in registers only if it is")]
 
-use std::ops::{Add, Mul, Range, Sub};
+use std::ops::Range;
 
 use glam::Vec3A;
+use vivace_kernels::lanes;
 use wide::f32x8;
 
 use crate::parallel::Split;
 
-/// Particles that are computed together.
+/// Vertices that are computed together: registers enough for all that a sweep sums up.
 pub(crate) const LANES: usize = 8;
 
 /// Eight vectors.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Lanes3 {
-    pub(crate) x: f32x8,
-    pub(crate) y: f32x8,
-    pub(crate) z: f32x8,
-}
-
-impl Lanes3 {
-    pub(crate) const ZERO: Self = Self { x: f32x8::ZERO, y: f32x8::ZERO, z: f32x8::ZERO };
-
-    #[inline(always)]
-    pub(crate) fn from_array(vectors: [Vec3A; LANES]) -> Self {
-        Self {
-            x: f32x8::new(vectors.map(|v| v.x)),
-            y: f32x8::new(vectors.map(|v| v.y)),
-            z: f32x8::new(vectors.map(|v| v.z)),
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn to_array(self) -> [Vec3A; LANES] {
-        let (x, y, z) = (self.x.to_array(), self.y.to_array(), self.z.to_array());
-        std::array::from_fn(|lane| Vec3A::new(x[lane], y[lane], z[lane]))
-    }
-
-    #[inline(always)]
-    pub(crate) fn dot(self, other: Self) -> f32x8 {
-        self.x * other.x + self.y * other.y + self.z * other.z
-    }
-
-    #[inline(always)]
-    pub(crate) fn cross(self, other: Self) -> Self {
-        Self {
-            x: self.y * other.z - self.z * other.y,
-            y: self.z * other.x - self.x * other.z,
-            z: self.x * other.y - self.y * other.x,
-        }
-    }
-}
-
-impl Add for Lanes3 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
-    }
-}
-
-impl Sub for Lanes3 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
-    }
-}
-
-impl Mul<f32x8> for Lanes3 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, scale: f32x8) -> Self {
-        Self { x: self.x * scale, y: self.y * scale, z: self.z * scale }
-    }
-}
+pub(crate) type Lanes3 = lanes::Lanes3<f32x8>;
 
 /// Eight elements from `at`; 0 where there are not as many.
 #[inline(always)]
@@ -154,7 +90,11 @@ impl Points {
     #[inline(always)]
     pub(crate) fn gather(&self, at: &[u32; LANES]) -> Lanes3 {
         let [x, y, z] = self.axes();
-        let of = |axis: &[f32]| f32x8::new(at.map(|i| axis[i as usize]));
+        let &[a, b, c, d, e, f, g, h] = at;
+        let of = |axis: &[f32]| {
+            let at = |i: u32| axis[i as usize];
+            f32x8::new([at(a), at(b), at(c), at(d), at(e), at(f), at(g), at(h)])
+        };
         Lanes3 { x: of(x), y: of(y), z: of(z) }
     }
 

@@ -142,7 +142,7 @@ impl Vertices<'_> {
             diagonal = diagonal + Lanes3 { x: scaled.x * d.x, y: scaled.y * d.y, z: scaled.z * d.z };
             off = off + Lanes3 { x: scaled.y * d.z, y: scaled.z * d.x, z: scaled.x * d.y };
         });
-        let isotropic = Lanes3 { x: isotropic, y: isotropic, z: isotropic };
+        let isotropic = Lanes3::splat(isotropic);
         let mut blocks = Blocks { diagonal: diagonal + isotropic, off };
         if !self.passes.is_empty() {
             blocks.add(std::array::from_fn(|lane| {
