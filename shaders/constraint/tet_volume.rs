@@ -47,11 +47,11 @@ impl TetVolume {
     }
 }
 
-/// The values nearest to `sigma` (of the order and signs of [`svd`]) with product `target` > 0, `edge` its cube root.
+/// The values nearest to `sigma` (of the order and signs of [`svd`]) whose product is that of a cube of this `edge` > 0.
 ///
 /// With x = s₂ for a parameter, m = x (x − σ₂), s_i = (σ_i + √(σ_i² + 4m))/2 for the larger two, and the product is to be
-/// `target`: one equation, for Newton's method between bounds.
-fn nearest_with_product(sigma: Vec3, target: f32, edge: f32) -> Vec3 {
+/// `edge`³: one equation, for Newton's method between bounds.
+fn nearest_with_product(sigma: Vec3, edge: f32) -> Vec3 {
     let scale = sigma.x.max(edge);
     let root = edge / scale;
     let (sigma, target) = (sigma / scale, root * root * root);
@@ -107,7 +107,7 @@ impl Constraint<4, 3> for TetVolume {
         }
         let (u, sigma, v) = svd(Mat3::from_cols(f[0], f[1], f[2]));
         let edge = if det < target { self.edges[0] } else { self.edges[1] };
-        let p = u * Mat3::from_diagonal(nearest_with_product(sigma, target, edge)) * v.transpose();
+        let p = u * Mat3::from_diagonal(nearest_with_product(sigma, edge)) * v.transpose();
         [p.x_axis, p.y_axis, p.z_axis]
     }
 
@@ -160,7 +160,7 @@ mod tests {
             }
             for target in [0.3, 1.0, 2.0] {
                 let sigma = Vec3::new(x, y, z);
-                let s = nearest_with_product(sigma, target, target.cbrt());
+                let s = nearest_with_product(sigma, target.cbrt());
                 assert!(s.min_element() > 0.0, "{sigma} {target}: {s}");
                 assert!((s.element_product() - target).abs() < 2e-6 * target, "{sigma} {target}: {s}");
                 // No point of the set around it is nearer.
