@@ -123,15 +123,21 @@ impl Kind {
         matches!(self, Self::TetStrain | Self::TetVolume)
     }
 
-    fn add_to_cloth(self, builder: &mut ModelBuilder, mesh: &TriMesh) -> Result<(), ModelError> {
+    /// `number` is that of each vertex, in an order that does not depend on it.
+    fn add_to_cloth(
+        self,
+        builder: &mut ModelBuilder,
+        mesh: &TriMesh,
+        number: &[u32],
+    ) -> Result<(), ModelError> {
         match self {
             Self::Spring => builder.springs(0, &mesh.edges(), 100.0),
             Self::FlatHinge | Self::CurvedHinge => {
                 builder.hinges(0, &mesh.hinges(), 1e-3, self == Self::CurvedHinge).map(|_| ())
             }
             Self::TriangleStrain => builder.triangle_strain(0, mesh.triangles(), 100.0, 0.01),
-            Self::Attachment => (0..).zip(mesh.positions()).step_by(3).try_for_each(|(particle, &target)| {
-                builder.attach(particle, target, 100.0).map(|_| ())
+            Self::Attachment => number.iter().step_by(3).try_for_each(|&particle| {
+                builder.attach(particle, mesh.positions()[particle as usize], 100.0).map(|_| ())
             }),
             Self::TetStrain | Self::TetVolume => Ok(()),
         }
@@ -225,7 +231,7 @@ impl Bodies {
         let triangles = mesh.triangles().iter().map(|t| t.map(|v| number[v as usize])).collect();
         let placed = TriMesh::new(self.place(&number, curved), triangles).expect("as before");
         builder.cloth(&placed, 0.2)?;
-        kinds.iter().try_for_each(|kind| kind.add_to_cloth(&mut builder, &placed))?;
+        kinds.iter().try_for_each(|kind| kind.add_to_cloth(&mut builder, &placed, &number))?;
         if self.is_held {
             [0, self.cloth].into_iter().try_for_each(|corner| builder.pin(number[corner]))?;
         }
