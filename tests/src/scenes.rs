@@ -179,6 +179,12 @@ impl Default for Bodies {
 }
 
 impl Bodies {
+    /// Of one kind, and so large that threads share each sweep of every framework.
+    #[must_use]
+    pub fn large(kind: Kind) -> Self {
+        Self { kinds: vec![kind], cloth: 70, bar: [72, 9, 9], ..Self::default() }
+    }
+
     /// The scene.
     ///
     /// # Panics

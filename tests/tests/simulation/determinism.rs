@@ -52,9 +52,8 @@ fn cloth_is_the_same_on_any_number_of_threads() {
 /// Every verb of a relaxation that runs on more than one thread, by every kind.
 #[test]
 fn every_kind_is_the_same_on_any_number_of_threads() {
-    let sizes = Bodies { cloth: 70, bar: [72, 9, 9], ..Bodies::default() };
     for kind in Kind::ALL {
-        let mut scene = Bodies { kinds: vec![kind], ..sizes.clone() }.build();
+        let mut scene = Bodies::large(kind).build();
         jitter(&scene.0, &mut scene.1, 0.002, 1);
         let (n_particles, n_constraints) = (scene.0.n_particles(), scene.0.constraints().len());
         for framework in projective_dynamics().into_iter().chain([Framework::PositionBased]) {
