@@ -129,27 +129,39 @@ impl Kind {
         builder: &mut ModelBuilder,
         mesh: &TriMesh,
         number: &[u32],
+        stiffer: f32,
     ) -> Result<(), ModelError> {
         match self {
-            Self::Spring => builder.springs(0, &mesh.edges(), 100.0),
+            Self::Spring => builder.springs(0, &mesh.edges(), 100.0 * stiffer),
             Self::FlatHinge | Self::CurvedHinge => {
-                builder.hinges(0, &mesh.hinges(), 1e-3, self == Self::CurvedHinge).map(|_| ())
+                builder.hinges(0, &mesh.hinges(), 1e-3 * stiffer, self == Self::CurvedHinge).map(|_| ())
             }
-            Self::TriangleStrain => builder.triangle_strain(0, mesh.triangles(), 100.0, 0.01),
+            Self::TriangleStrain => builder.triangle_strain(0, mesh.triangles(), 100.0 * stiffer, 0.01),
             Self::Attachment => number.iter().step_by(3).try_for_each(|&particle| {
-                builder.attach(particle, mesh.positions()[particle as usize], 100.0).map(|_| ())
+                builder.attach(particle, mesh.positions()[particle as usize], 100.0 * stiffer).map(|_| ())
             }),
             Self::TetStrain | Self::TetVolume => Ok(()),
         }
     }
 
-    fn add_to_bar(self, builder: &mut ModelBuilder, mesh: &TetMesh) -> Result<(), ModelError> {
+    fn add_to_bar(self, builder: &mut ModelBuilder, mesh: &TetMesh, stiffer: f32) -> Result<(), ModelError> {
         match self {
-            Self::TetStrain => builder.tet_strain(0, mesh.tets(), 1e4),
-            Self::TetVolume => builder.tet_volume(0, mesh.tets(), 1e4, [0.99, 1.01]),
+            Self::TetStrain => builder.tet_strain(0, mesh.tets(), 1e4 * stiffer),
+            Self::TetVolume => builder.tet_volume(0, mesh.tets(), 1e4 * stiffer, [0.99, 1.01]),
             _ => Ok(()),
         }
     }
+}
+
+/// What is pinned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Held {
+    /// Two corners of the cloth and an end of the bar.
+    Ends,
+    /// Everything.
+    All,
+    /// Nothing.
+    Nothing,
 }
 
 /// A cloth for the kinds of surfaces, a bar for those of volumes; at rest. Kinds that are not there leave their body away.
@@ -161,8 +173,14 @@ pub struct Bodies {
     pub cloth: usize,
     /// Cells of the bar, cubes of 1/8 m.
     pub bar: [usize; 3],
-    /// Whether two corners of the cloth and an end of the bar are pinned.
-    pub is_held: bool,
+    /// What is pinned.
+    pub held: Held,
+    /// Times the stiffness of each kind.
+    pub stiffer: f32,
+    /// Times the mass of the last particle of each body; unless 1, bodies have no surface.
+    pub heavier: f32,
+    /// The shape at rest, times this.
+    pub scale: Vec3,
     /// The whole scene, turned.
     pub turn: Quat,
     /// The whole scene, moved after that \[m\].
@@ -173,8 +191,18 @@ pub struct Bodies {
 
 impl Default for Bodies {
     fn default() -> Self {
-        let (kinds, turn, shift) = (Kind::ALL.to_vec(), Quat::IDENTITY, Vec3::ZERO);
-        Self { kinds, cloth: 8, bar: [4, 2, 2], is_held: true, turn, shift, shuffle: None }
+        Self {
+            kinds: Kind::ALL.to_vec(),
+            cloth: 8,
+            bar: [4, 2, 2],
+            held: Held::Ends,
+            stiffer: 1.0,
+            heavier: 1.0,
+            scale: Vec3::ONE,
+            turn: Quat::IDENTITY,
+            shift: Vec3::ZERO,
+            shuffle: None,
+        }
     }
 }
 
@@ -218,7 +246,7 @@ impl Bodies {
     fn place(&self, number: &[u32], positions: impl Iterator<Item = Vec3>) -> Vec<Vec3> {
         let mut placed = vec![Vec3::ZERO; number.len()];
         for (&at, q) in number.iter().zip(positions) {
-            placed[at as usize] = self.turn * q + self.shift;
+            placed[at as usize] = self.turn * (self.scale * q) + self.shift;
         }
         placed
     }
@@ -237,10 +265,9 @@ impl Bodies {
         let triangles = mesh.triangles().iter().map(|t| t.map(|v| number[v as usize])).collect();
         let placed = TriMesh::new(self.place(&number, curved), triangles).expect("as before");
         builder.cloth(&placed, 0.2)?;
-        kinds.iter().try_for_each(|kind| kind.add_to_cloth(&mut builder, &placed, &number))?;
-        if self.is_held {
-            [0, self.cloth].into_iter().try_for_each(|corner| builder.pin(number[corner]))?;
-        }
+        let mut builder = self.weighted(builder)?;
+        kinds.iter().try_for_each(|kind| kind.add_to_cloth(&mut builder, &placed, &number, self.stiffer))?;
+        self.pin(&mut builder, [0, self.cloth].map(|corner| number[corner]))?;
         Ok(builder)
     }
 
@@ -255,10 +282,33 @@ impl Bodies {
         let positions = self.place(&number, mesh.positions().iter().copied());
         let placed = TetMesh::new(positions, tets).expect("as before");
         builder.volume(&placed, 100.0)?;
-        self.kinds.iter().try_for_each(|kind| kind.add_to_bar(&mut builder, &placed))?;
-        let ends = number.iter().zip(mesh.positions()).filter(|(_, q)| self.is_held && q.x == 0.0);
-        ends.map(|(&particle, _)| builder.pin(particle)).collect::<Result<(), _>>()?;
+        let mut builder = self.weighted(builder)?;
+        self.kinds.iter().try_for_each(|kind| kind.add_to_bar(&mut builder, &placed, self.stiffer))?;
+        let ends = number.iter().zip(mesh.positions()).filter(|(_, q)| q.x == 0.0);
+        self.pin(&mut builder, ends.map(|(&particle, _)| particle))?;
         Ok(builder)
+    }
+
+    /// The particles of `builder`, the last of them heavier.
+    fn weighted(&self, builder: ModelBuilder) -> Result<ModelBuilder, ModelError> {
+        if self.heavier == 1.0 {
+            return Ok(builder);
+        }
+        let (model, state) = builder.build()?;
+        let mut masses = model.masses().to_vec();
+        masses.iter_mut().last().into_iter().for_each(|mass| *mass *= self.heavier);
+        let mut builder = ModelBuilder::new();
+        builder.particles(&state.positions, &masses)?;
+        Ok(builder)
+    }
+
+    fn pin(&self, builder: &mut ModelBuilder, ends: impl IntoIterator<Item = u32>) -> Result<(), ModelError> {
+        let n = u32::try_from(builder.positions().len()).expect("few");
+        match self.held {
+            Held::Ends => ends.into_iter().try_for_each(|particle| builder.pin(particle)),
+            Held::All => (0..n).try_for_each(|particle| builder.pin(particle)),
+            Held::Nothing => Ok(()),
+        }
     }
 }
 

@@ -176,6 +176,7 @@ impl System {
             pd.prepare(small_h)?;
         }
         report.times.setup = start.elapsed().as_secs_f64();
+        let ease = self.ease;
         for substep in 0..n_substeps {
             let share = share_of(&budget, substep, n_substeps);
             self.substep(forces, small_h, &share, start, &mut report);
@@ -183,7 +184,10 @@ impl System {
         let finish_start = Instant::now();
         report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
         let is_bad = |i: &usize| !(self.after[*i].is_finite() && self.velocities[*i].is_finite());
-        if let Some(particle) = (0..self.after.len()).find(is_bad) {
+        // A pinned particle is never the cause: it has moved by 0 times what is not finite.
+        let cause = |i: &usize| (self.model.masses()[*i].is_infinite(), *i);
+        if let Some(particle) = (0..self.after.len()).filter(is_bad).min_by_key(cause) {
+            self.ease = ease;
             return Err(SolverError::Diverged { particle });
         }
         state.positions.copy_from_slice(&self.after);

@@ -5,7 +5,7 @@ use vivace_kernels::constraint::Constraint;
 use vivace_model::{Constraints, KindVisitor, Model, State, Store};
 use vivace_solver::{Budget, Framework, Relaxation, Solver, System};
 use vivace_tests::scenes::{
-    Bodies, Kind, STEP, Scene, gauss_seidel, jitter, plain, projective_dynamics, solvers,
+    Bodies, Held, Kind, STEP, Scene, gauss_seidel, jitter, plain, projective_dynamics, solvers,
 };
 
 use crate::{EPS, NO_FORCE, distance, extent, frames, moment, stall};
@@ -26,7 +26,7 @@ fn loops_over_kinds_see_every_kind() {
 }
 
 fn free(kind: Kind) -> Bodies {
-    Bodies { kinds: vec![kind], is_held: false, ..Bodies::default() }
+    Bodies { kinds: vec![kind], held: Held::Nothing, ..Bodies::default() }
 }
 
 /// Kinds whose forces are inner ones, as free bodies in disorder that turn and move.

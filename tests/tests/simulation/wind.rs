@@ -3,7 +3,9 @@
 use glam::{DVec3, Vec3};
 use vivace_model::{Forces, Wind};
 use vivace_solver::{Framework, Relaxation, Solver};
-use vivace_tests::scenes::{Bodies, Kind, STEP, Scene, free_cloth, gauss_seidel, jitter, plain, solvers};
+use vivace_tests::scenes::{
+    Bodies, Held, Kind, STEP, Scene, free_cloth, gauss_seidel, jitter, plain, solvers,
+};
 
 use crate::{EPS, NO_FORCE, extent, frames, moment};
 
@@ -58,7 +60,8 @@ fn wind_leaves_alone_what_moves_with_it() {
 #[test]
 fn wind_gives_its_momentum() {
     for kind in Kind::ALL.into_iter().filter(|kind| kind.is_inner()) {
-        let (model, mut start) = Bodies { kinds: vec![kind], is_held: false, ..Bodies::default() }.build();
+        let (model, mut start) =
+            Bodies { kinds: vec![kind], held: Held::Nothing, ..Bodies::default() }.build();
         jitter(&model, &mut start, 0.02, 3);
         let u = WIND.velocity.as_dvec3();
         let forces = model.surface().iter().map(|triangle| {
