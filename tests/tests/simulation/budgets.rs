@@ -1,5 +1,7 @@
 //! How long a step takes, what is refused, and the safeguard.
 
+use std::time::Instant;
+
 use glam::Vec3;
 use vivace_model::{Forces, ModelError, State};
 use vivace_solver::{Budget, Framework, Relaxation, Solver, SolverError, Stop, System};
@@ -40,6 +42,24 @@ fn time_ends_a_step_and_one_iteration_always_runs() {
         // A million iterations would take minutes.
         let both = Budget::iterations(1_000_000).and_milliseconds(2.0);
         assert_eq!(step(&scene, solver, both).1.stop, Stop::Time);
+    }
+}
+
+/// Another iteration begins while, by the mean of those before, it would end in time. So more than half the time is used; and a machine
+/// that is busy with other things may take longer, but not fifty times as long.
+#[test]
+fn time_is_used() {
+    let (model, mut state) = cloth(12, 100.0, Some(1e-5));
+    let mut system = System::new(model, Solver::default()).unwrap();
+    for seconds in [0.005, 0.02] {
+        let start = Instant::now();
+        let budget = Budget { seconds: Some(seconds), ..Budget::default() };
+        let report = system.step(&mut state, &Forces::default(), STEP, budget).unwrap();
+        let passed = start.elapsed().as_secs_f64();
+        assert!(passed > 0.5 * seconds && passed < 50.0 * seconds, "{passed} of {seconds}: {report:?}");
+        let times = report.times;
+        let sum = times.setup + times.predict + times.solve + times.finish;
+        assert!(sum > 0.5 * seconds && sum <= passed, "{passed}: {report:?}");
     }
 }
 
