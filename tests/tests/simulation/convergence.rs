@@ -8,7 +8,7 @@ use vivace_tests::scenes::{
     Bodies, Kind, STEP, Scene, cloth, gauss_seidel, jitter, plain, projective_solvers, solvers,
 };
 
-use crate::{condition, distance, frame, frames, stall};
+use crate::{EPS, condition, distance, extent, frame, frames, stall};
 
 /// A scene that sets out in disorder, and its answer.
 fn disordered(bodies: &Bodies, jitter_by: f32, forces: &Forces) -> (Scene, Answer) {
@@ -46,17 +46,13 @@ fn plain_position_based() -> [Solver; 3] {
         .map(|relaxation| Solver { framework: Framework::PositionBased, ..plain(relaxation) })
 }
 
-/// Position Based Dynamics adds up moves along gradients that turn meanwhile, so it is implicit Euler only where they do not: where a
-/// constraint has one particle. Otherwise its answer depends on the path, and is nearer to that of implicit Euler than to the start.
+/// Position Based Dynamics adds up moves along gradients that turn meanwhile, so it is implicit Euler only where they do not. Otherwise its answer depends on the path, and is nearer to that of implicit Euler than to the start.
 #[test]
 fn position_based_dynamics_goes_where_implicit_euler_goes() {
     for bodies in Kind::alone_and_together() {
         let (scene, answer) = disordered(&bodies, 0.005, &Forces::default());
         for solver in plain_position_based() {
             let end = frame(&scene, solver, 500).positions;
-            let (off, bound) = (off(&end, &answer), stall(&scene.0, &end));
-            let is_exact = bodies.kinds == [Kind::Attachment];
-            assert!(!is_exact || off <= bound, "{solver:?}: {off} > {bound}");
             assert!(answer.error(&end) < 0.25, "{:?} {solver:?}: {}", bodies.kinds, answer.error(&end));
         }
     }
@@ -77,18 +73,26 @@ fn position_based_springs_tend_to_implicit_euler() {
     }
 }
 
-/// An attachment is linear: whatever the relaxation, its answer is that of implicit Euler. Over-relaxed it passes its target, where the
-/// gradient of C = |q − target| turns about while the multiplier keeps its sign.
+/// Soft attachments: each is linear and has its particle to itself, so that a sweep of any kind leaves at most half of the error.
+/// Their answer is that of implicit Euler, to the rounding of q, twice what each iteration adds.
+fn assert_attachments(solver: Solver) {
+    let bodies = Bodies { kinds: vec![Kind::Attachment], stiffer: 0.01, ..Bodies::default() };
+    let (scene, answer) = disordered(&bodies, 0.005, &Forces::default());
+    let end = frame(&scene, solver, 500).positions;
+    let (off, bound) = (off(&end, &answer), 4.0 * EPS * extent(&end));
+    assert!(off <= bound, "{solver:?}: {off} > {bound}");
+}
+
+#[test]
+fn position_based_attachments_are_implicit_euler() {
+    plain_position_based().into_iter().for_each(assert_attachments);
+}
+
+/// Over-relaxed, an attachment passes its target, where the gradient of C = |q − target| turns about while the multiplier keeps its sign.
 #[test]
 #[ignore = "known to fail: one multiplier for the length of a vector does not follow it through 0"]
-fn position_based_attachments_have_one_answer() {
-    let (scene, answer) =
-        disordered(&Bodies { kinds: vec![Kind::Attachment], ..Bodies::default() }, 0.005, &Forces::default());
-    for solver in solvers().into_iter().filter(|solver| solver.framework == Framework::PositionBased) {
-        let end = frame(&scene, solver, 500).positions;
-        let (off, bound) = (off(&end, &answer), stall(&scene.0, &end));
-        assert!(off <= bound, "{solver:?}: {off} > {bound}");
-    }
+fn over_relaxed_position_based_attachments_are_implicit_euler() {
+    solvers().into_iter().filter(|s| s.framework == Framework::PositionBased).for_each(assert_attachments);
 }
 
 /// A tolerance asks for the answer of the frame, not for that of the first linear system.
