@@ -1,8 +1,8 @@
 //! Small scenes, and every way to solve them.
 
-use glam::Vec3;
-use vivace_mesh::{beam, cloth};
-use vivace_model::{Model, ModelBuilder, State};
+use glam::{Quat, Vec3};
+use vivace_mesh::{TetMesh, TriMesh, beam, cloth};
+use vivace_model::{Model, ModelBuilder, ModelError, State};
 use vivace_solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
 
 use crate::random::Random;
@@ -74,6 +74,242 @@ pub fn bar(cells: [usize; 3], spacing: f32, stiffness: f32) -> Scene {
         }
     }
     builder.build().expect("a bar")
+}
+
+/// A kind of constraint. Hinges are two: those flat at rest are linear, the others are not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Springs.
+    Spring,
+    /// Hinges that are flat at rest.
+    FlatHinge,
+    /// Hinges that are bent at rest.
+    CurvedHinge,
+    /// Triangles with a limit on their strain.
+    TriangleStrain,
+    /// Tetrahedra that keep their shape.
+    TetStrain,
+    /// Tetrahedra that keep their volume.
+    TetVolume,
+    /// Particles held at a point.
+    Attachment,
+}
+
+impl Kind {
+    /// Each of them.
+    pub const ALL: [Self; 7] = [
+        Self::Spring,
+        Self::FlatHinge,
+        Self::CurvedHinge,
+        Self::TriangleStrain,
+        Self::TetStrain,
+        Self::TetVolume,
+        Self::Attachment,
+    ];
+
+    /// Whether its forces act between particles, so that none is left over.
+    #[must_use]
+    pub fn is_inner(self) -> bool {
+        self != Self::Attachment
+    }
+
+    /// Each kind alone, then all in one scene: what every test of every kind loops over.
+    pub fn alone_and_together() -> impl Iterator<Item = Bodies> {
+        let sets = Self::ALL.chunks(1).chain([&Self::ALL[..]]);
+        sets.map(|kinds| Bodies { kinds: kinds.to_vec(), ..Bodies::default() })
+    }
+
+    fn is_of_volumes(self) -> bool {
+        matches!(self, Self::TetStrain | Self::TetVolume)
+    }
+
+    /// `number` is that of each vertex, in an order that does not depend on it.
+    fn add_to_cloth(
+        self,
+        builder: &mut ModelBuilder,
+        mesh: &TriMesh,
+        number: &[u32],
+        stiffer: f32,
+    ) -> Result<(), ModelError> {
+        match self {
+            Self::Spring => builder.springs(0, &mesh.edges(), 100.0 * stiffer),
+            Self::FlatHinge | Self::CurvedHinge => {
+                builder.hinges(0, &mesh.hinges(), 1e-3 * stiffer, self == Self::CurvedHinge).map(|_| ())
+            }
+            Self::TriangleStrain => builder.triangle_strain(0, mesh.triangles(), 100.0 * stiffer, 0.01),
+            Self::Attachment => number.iter().step_by(3).try_for_each(|&particle| {
+                builder.attach(particle, mesh.positions()[particle as usize], 100.0 * stiffer).map(|_| ())
+            }),
+            Self::TetStrain | Self::TetVolume => Ok(()),
+        }
+    }
+
+    fn add_to_bar(self, builder: &mut ModelBuilder, mesh: &TetMesh, stiffer: f32) -> Result<(), ModelError> {
+        match self {
+            Self::TetStrain => builder.tet_strain(0, mesh.tets(), 1e4 * stiffer),
+            Self::TetVolume => builder.tet_volume(0, mesh.tets(), 1e4 * stiffer, [0.99, 1.01]),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What is pinned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Held {
+    /// Two corners of the cloth and an end of the bar.
+    Ends,
+    /// Everything.
+    All,
+    /// Nothing.
+    Nothing,
+}
+
+/// A cloth for the kinds of surfaces, a bar for those of volumes; at rest. Kinds that are not there leave their body away.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bodies {
+    /// What holds them together.
+    pub kinds: Vec<Kind>,
+    /// Cells along a side of the cloth, which is 1 m long.
+    pub cloth: usize,
+    /// Cells of the bar, cubes of 1/8 m.
+    pub bar: [usize; 3],
+    /// What is pinned.
+    pub held: Held,
+    /// Times the stiffness of each kind.
+    pub stiffer: f32,
+    /// Times the mass of the last particle of each body; unless 1, bodies have no surface.
+    pub heavier: f32,
+    /// The shape at rest, times this.
+    pub scale: Vec3,
+    /// The whole scene, turned.
+    pub turn: Quat,
+    /// The whole scene, moved after that \[m\].
+    pub shift: Vec3,
+    /// Numbers the particles of each body in a random order.
+    pub shuffle: Option<u64>,
+}
+
+impl Default for Bodies {
+    fn default() -> Self {
+        Self {
+            kinds: Kind::ALL.to_vec(),
+            cloth: 8,
+            bar: [4, 2, 2],
+            held: Held::Ends,
+            stiffer: 1.0,
+            heavier: 1.0,
+            scale: Vec3::ONE,
+            turn: Quat::IDENTITY,
+            shift: Vec3::ZERO,
+            shuffle: None,
+        }
+    }
+}
+
+impl Bodies {
+    /// Of one kind, and so large that threads share each sweep of every framework.
+    #[must_use]
+    pub fn large(kind: Kind) -> Self {
+        Self { kinds: vec![kind], cloth: 70, bar: [72, 9, 9], ..Self::default() }
+    }
+
+    /// The scene.
+    ///
+    /// # Panics
+    /// When a count is 0.
+    #[must_use]
+    pub fn build(&self) -> Scene {
+        let mut all = ModelBuilder::new();
+        let bodies = [self.surface(), self.volume()].map(|body| body.expect("a body that can be simulated"));
+        for body in bodies {
+            all.append(body).expect("few");
+        }
+        all.build().expect("masses")
+    }
+
+    /// By particle of the scene in order, its number after the shuffle.
+    #[must_use]
+    pub fn number(&self) -> Vec<u32> {
+        let plain = Self { shuffle: None, ..self.clone() };
+        let sizes = [plain.surface(), plain.volume()].map(|body| body.map_or(0, |b| b.positions().len()));
+        let n_surface = u32::try_from(sizes[0]).expect("few");
+        let [surface, volume] = sizes.map(|n| self.permutation(n));
+        surface.into_iter().chain(volume.into_iter().map(|p| p + n_surface)).collect()
+    }
+
+    fn permutation(&self, n: usize) -> Vec<u32> {
+        let n = u32::try_from(n).expect("few");
+        self.shuffle.map_or_else(|| (0..n).collect(), |seed| Random::new(seed).permutation(n))
+    }
+
+    /// Where they are, by their new numbers.
+    fn place(&self, number: &[u32], positions: impl Iterator<Item = Vec3>) -> Vec<Vec3> {
+        let mut placed = vec![Vec3::ZERO; number.len()];
+        for (&at, q) in number.iter().zip(positions) {
+            placed[at as usize] = self.turn * (self.scale * q) + self.shift;
+        }
+        placed
+    }
+
+    fn surface(&self) -> Result<ModelBuilder, ModelError> {
+        let mut builder = ModelBuilder::new();
+        let kinds: Vec<Kind> = self.kinds.iter().copied().filter(|kind| !kind.is_of_volumes()).collect();
+        if kinds.is_empty() {
+            return Ok(builder);
+        }
+        let mesh = cloth::regular(self.cloth + 1, self.cloth + 1, 1.0 / self.cloth as f32).expect("cells");
+        let number = self.permutation(mesh.positions().len());
+        // A power of two, so that it is exact wherever the positions are.
+        let bend = if kinds.contains(&Kind::CurvedHinge) { 0.5 } else { 0.0 };
+        let curved = mesh.positions().iter().map(|q| *q + bend * q.x * q.x * Vec3::Y);
+        let triangles = mesh.triangles().iter().map(|t| t.map(|v| number[v as usize])).collect();
+        let placed = TriMesh::new(self.place(&number, curved), triangles).expect("as before");
+        builder.cloth(&placed, 0.2)?;
+        let mut builder = self.weighted(builder)?;
+        kinds.iter().try_for_each(|kind| kind.add_to_cloth(&mut builder, &placed, &number, self.stiffer))?;
+        self.pin(&mut builder, [0, self.cloth].map(|corner| number[corner]))?;
+        Ok(builder)
+    }
+
+    fn volume(&self) -> Result<ModelBuilder, ModelError> {
+        let mut builder = ModelBuilder::new();
+        if !self.kinds.iter().any(|kind| kind.is_of_volumes()) {
+            return Ok(builder);
+        }
+        let mesh = beam::regular(self.bar, 0.125).expect("cells");
+        let number = self.permutation(mesh.positions().len());
+        let tets = mesh.tets().iter().map(|t| t.map(|v| number[v as usize])).collect();
+        let positions = self.place(&number, mesh.positions().iter().copied());
+        let placed = TetMesh::new(positions, tets).expect("as before");
+        builder.volume(&placed, 100.0)?;
+        let mut builder = self.weighted(builder)?;
+        self.kinds.iter().try_for_each(|kind| kind.add_to_bar(&mut builder, &placed, self.stiffer))?;
+        let ends = number.iter().zip(mesh.positions()).filter(|(_, q)| q.x == 0.0);
+        self.pin(&mut builder, ends.map(|(&particle, _)| particle))?;
+        Ok(builder)
+    }
+
+    /// The particles of `builder`, the last of them heavier.
+    fn weighted(&self, builder: ModelBuilder) -> Result<ModelBuilder, ModelError> {
+        if self.heavier == 1.0 {
+            return Ok(builder);
+        }
+        let (model, state) = builder.build()?;
+        let mut masses = model.masses().to_vec();
+        masses.iter_mut().last().into_iter().for_each(|mass| *mass *= self.heavier);
+        let mut builder = ModelBuilder::new();
+        builder.particles(&state.positions, &masses)?;
+        Ok(builder)
+    }
+
+    fn pin(&self, builder: &mut ModelBuilder, ends: impl IntoIterator<Item = u32>) -> Result<(), ModelError> {
+        let n = u32::try_from(builder.positions().len()).expect("few");
+        match self.held {
+            Held::Ends => ends.into_iter().try_for_each(|particle| builder.pin(particle)),
+            Held::All => (0..n).try_for_each(|particle| builder.pin(particle)),
+            Held::Nothing => Ok(()),
+        }
+    }
 }
 
 /// Moves every free particle by up to `by` \[m\] in each direction.

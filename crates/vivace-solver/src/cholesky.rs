@@ -80,7 +80,8 @@ impl Cholesky {
         order: Option<&[u32]>,
     ) -> Result<Self, SolverError> {
         let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            // Below 0, which a diagonal matrix does not exceed: it would be stored in another way.
+            supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
             ..CholeskySymbolicParams::default()
         };
         let n = pattern.len();

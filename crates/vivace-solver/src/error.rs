@@ -50,7 +50,7 @@ pub enum SolverError {
         "particle {particle} left the range of numbers; the state was left as it was. Take a smaller step, or a solver with safeguard"
     )]
     Diverged {
-        /// The first particle that is not finite.
+        /// The first particle that is not finite; a pinned one only if no other is.
         particle: usize,
     },
 }

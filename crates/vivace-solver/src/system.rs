@@ -185,7 +185,9 @@ impl System {
         report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
         let is_bad =
             |i: &usize| !(State::is_in_range(self.after[*i]) && State::is_in_range(self.velocities[*i]));
-        if let Some(particle) = (0..self.after.len()).find(is_bad) {
+        // A pinned particle is never the cause: it has moved by 0 times what is not finite.
+        let cause = |i: &usize| (self.model.masses()[*i].is_infinite(), *i);
+        if let Some(particle) = (0..self.after.len()).filter(is_bad).min_by_key(cause) {
             self.ease = ease;
             return Err(SolverError::Diverged { particle });
         }

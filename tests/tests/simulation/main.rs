@@ -3,12 +3,15 @@
 #![expect(clippy::unwrap_used, reason = "what fails here fails a test")]
 
 mod budgets;
+mod conservation;
 mod convergence;
 mod determinism;
+mod extremes;
 mod linear;
 mod pays_for_what_it_holds;
 mod symmetry;
 mod verification;
+mod wind;
 
 use glam::{DVec3, Vec3};
 use vivace_kernels::constraint::Constraint;
@@ -46,9 +49,9 @@ fn extent(q: &[Vec3]) -> f64 {
 
 const NO_FORCE: Forces = Forces { gravity: Vec3::ZERO, damping: 0.0, wind: None };
 
-/// Σ m x \[kg m\].
-fn moment(masses: &[f32], x: impl Iterator<Item = DVec3>) -> DVec3 {
-    masses.iter().zip(x).map(|(&m, x)| f64::from(m) * x).sum()
+/// Σ m x \[kg m\] over the particles.
+fn moment(model: &Model, x: impl Iterator<Item = DVec3>) -> DVec3 {
+    model.masses().iter().zip(x).map(|(&m, x)| f64::from(m) * x).sum()
 }
 
 /// max Y_ii h²/m_i over the free particles: a bound of the condition of D⁻¹ Y, whose largest eigenvalue is at least 1 and whose least

@@ -1,9 +1,10 @@
 //! A kind of constraint that is not there costs nothing.
 
-use vivace_model::{Model, ModelBuilder};
+use vivace_kernels::constraint::Constraint;
+use vivace_model::{KindVisitor, Model, ModelBuilder, Store};
 use vivace_solver::pd::ProjectiveDynamics;
 use vivace_solver::{Framework, Solver, System};
-use vivace_tests::scenes::{cloth, free_cloth, gauss_seidel, plain};
+use vivace_tests::scenes::{Kind, cloth, free_cloth, gauss_seidel, plain};
 
 fn system(model: &Model, framework: Framework) -> System {
     System::new(model.clone(), Solver { framework, ..plain(gauss_seidel(1.0)) }).unwrap()
@@ -35,24 +36,45 @@ fn flat_hinges_widen_rows_and_need_no_pass() {
     assert_eq!(system(&hinges, Framework::PositionBased).n_passes(), 2);
 }
 
+/// How many kinds a model stores, and how many constraints.
+struct Stores(usize, usize);
+
+impl KindVisitor for Stores {
+    fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(&mut self, store: &Store<C, N>) {
+        self.0 += 1;
+        self.1 += store.len();
+    }
+}
+
 #[test]
-fn each_kind_is_one_pass() {
-    let mesh = vivace_mesh::beam::regular([2, 1, 1], 0.1).unwrap();
-    let with = |add: &dyn Fn(&mut ModelBuilder)| {
-        let mut builder = ModelBuilder::new();
-        builder.volume(&mesh, 100.0).unwrap();
-        add(&mut builder);
-        let model = builder.build().unwrap().0;
-        [Framework::default(), Framework::PositionBased].map(|framework| system(&model, framework).n_passes())
-    };
-    assert_eq!(with(&|_| ()), [0, 0]);
-    assert_eq!(with(&|b| b.tet_strain(0, mesh.tets(), 1e4).unwrap()), [1, 1]);
-    assert_eq!(with(&|b| assert_eq!(b.attach(0, glam::Vec3::ZERO, 10.0), Ok(0))), [0, 1]);
-    let both = with(&|b| {
-        b.tet_strain(0, mesh.tets(), 1e4).unwrap();
-        b.tet_volume(0, mesh.tets(), 1e4, [0.9, 1.1]).unwrap();
-    });
-    assert_eq!(both, [2, 2]);
+fn each_kind_is_one_store_and_at_most_one_pass() {
+    for bodies in Kind::alone_and_together() {
+        let (model, _) = bodies.build();
+        let mut stores = Stores(0, 0);
+        model.constraints().visit(&mut stores);
+        // Hinges are one kind to the model; springs, flat hinges and attachments are built into Y.
+        let n_kinds = bodies.kinds.iter().filter(|&&kind| kind != Kind::FlatHinge).count().max(1);
+        assert_eq!((stores.0, stores.1), (n_kinds, model.constraints().len()), "{:?}", bodies.kinds);
+        let is_built_in = |kind: &&Kind| matches!(kind, Kind::Spring | Kind::FlatHinge | Kind::Attachment);
+        let n_local = bodies.kinds.iter().filter(|kind| !is_built_in(kind)).count();
+        assert_eq!(system(&model, Framework::default()).n_passes(), n_local, "{:?}", bodies.kinds);
+        assert_eq!(system(&model, Framework::PositionBased).n_passes(), n_kinds, "{:?}", bodies.kinds);
+        let graph = model.graph().unwrap();
+        let free = (0..).take(model.n_particles()).filter(|&p| !model.is_pinned(p));
+        assert_eq!(n_entries(&model), free.map(|p| graph.neighbors(p).len()).sum::<usize>());
+        assert_eq!(n_entries(&model) == 0, bodies.kinds == [Kind::Attachment]);
+    }
+}
+
+#[test]
+fn particles_alone_need_no_pass() {
+    let mut builder = ModelBuilder::new();
+    builder.volume(&vivace_mesh::beam::regular([2, 1, 1], 0.1).unwrap(), 100.0).unwrap();
+    let model = builder.build().unwrap().0;
+    assert_eq!(n_entries(&model), 0);
+    for framework in [Framework::default(), Framework::PositionBased] {
+        assert_eq!(system(&model, framework).n_passes(), 0);
+    }
 }
 
 /// Flat on a curved rest: the pass has the curved ones only.
