@@ -91,6 +91,29 @@ impl Plain {
         start.elapsed().as_secs_f64() * 1e3 / f64::from(SWEEPS)
     }
 
+    /// Y among the particles that are not pinned, numbered anew: how many they are; row, column and
+    /// value \[N/m\] of each entry.
+    pub(super) fn entries(&self) -> (usize, Vec<(u32, u32, f64)>) {
+        let mut free = 0..;
+        let is_free = |inverse: &f32| *inverse > 0.0;
+        let numbers: Vec<Option<u32>> = self
+            .inverse_diagonal
+            .iter()
+            .map(|inverse| is_free(inverse).then(|| free.next()).flatten())
+            .collect();
+        let mut entries = Vec::new();
+        for (i, row) in numbers.iter().enumerate() {
+            let Some(row) = *row else { continue };
+            entries.push((row, row, 1.0 / f64::from(self.inverse_diagonal[i])));
+            for k in self.offsets[i] as usize..self.offsets[i + 1] as usize {
+                if let Some(column) = numbers[self.columns[k] as usize] {
+                    entries.push((row, column, -f64::from(self.weights[k])));
+                }
+            }
+        }
+        (numbers.iter().flatten().count(), entries)
+    }
+
     /// Entries off the diagonal.
     pub fn n_entries(&self) -> usize {
         self.columns.len()
