@@ -1,5 +1,6 @@
 //! The bars that the project holds itself to.
 
+use super::WITH_RAPIER;
 use super::animation::Animation;
 use super::frames::{self, Kind, Left};
 use super::stability::{self, Fastest};
@@ -107,7 +108,7 @@ impl Judge<'_> {
             let bar = "A, rapier3d's further sweep, directions frozen, over PD linear sweep";
             self.push(bar, Asked::Nothing, over(SWEEP, "PD linear sweep"));
         } else {
-            let bar = "A, rapier3d over PD fused: cargo run --release -p xtask --features rapier -- bench-simulation";
+            let bar = format!("A, rapier3d over PD fused: run {WITH_RAPIER} bench-simulation");
             self.table.push([
                 bar.into(),
                 "at least 10".into(),

@@ -77,6 +77,9 @@ impl Sizes {
     }
 }
 
+/// The start of a command that runs rapier3d's soft bodies too.
+pub const WITH_RAPIER: &str = "cargo run --release -p xtask --features rapier --";
+
 /// What a run is asked for.
 #[derive(Clone, Debug)]
 pub struct Options {

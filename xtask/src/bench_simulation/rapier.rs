@@ -52,10 +52,8 @@ impl Cloth {
         let undamped = |square: f32| SpringCoefficients::new(square.sqrt() / TAU, 0.0);
         let constraints = model.constraints();
         let springs = constraints.springs.particles.iter().zip(&constraints.springs.rest);
-        let edge_softness =
-            (0..).zip(springs.map(|(pair, spring)| {
-                undamped(spring.stiffness * pair.iter().map(inverse_mass).sum::<f32>())
-            }));
+        let edge_softness = springs
+            .map(|(pair, spring)| undamped(spring.stiffness * pair.iter().map(inverse_mass).sum::<f32>()));
         let hinges = constraints.bending.particles.iter().zip(&constraints.bending.rest);
         let squares = hinges.map(|(particles, hinge)| {
             let terms = particles.iter().zip(hinge.row).map(|(particle, k)| inverse_mass(particle) * k * k);
@@ -72,7 +70,7 @@ impl Cloth {
             .additional_pgs_iterations(0)
             .can_sleep(false)
             .no_surface_collider();
-        builder.edge_softness = edge_softness.collect();
+        builder.edge_softness = (0..).zip(edge_softness).collect();
 
         let [x, y, z] = Forces::default().gravity.to_array();
         let mut world = PhysicsWorld { gravity: Vector::new(x, y, z), ..PhysicsWorld::default() };
@@ -109,12 +107,9 @@ impl Cloth {
     /// Time of an iteration, and of all else in a step \[ms\].
     fn cost(&mut self, state: &State, plan: fn(usize) -> Plan) -> [f64; 2] {
         const MORE: usize = 20;
-        let mut time = |n| {
-            self.set(state);
-            self.step(STEP, plan(n))
-        };
+        self.set(state);
         // The first warms up.
-        let [_, one, many] = [1, 1, 1 + MORE].map(&mut time);
+        let [_, one, many] = [1, 1, 1 + MORE].map(|n| self.step(STEP, plan(n)));
         let each = (many - one) / MORE as f64;
         [each, one - each]
     }

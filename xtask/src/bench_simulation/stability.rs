@@ -120,3 +120,16 @@ pub(super) fn table(all: &[Fastest]) -> Table {
     }
     table
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_is_a_setting_whose_error_is_measured() {
+        let known: Vec<String> = frames::settings().iter().map(frames::Setting::full_name).collect();
+        for name in names() {
+            assert!(known.iter().any(|known| known == name), "{name}");
+        }
+    }
+}
