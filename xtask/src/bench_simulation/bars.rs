@@ -97,7 +97,7 @@ impl Judge<'_> {
         let solve = ours("PD direct").with(local, |all, local| all - local);
         let over_faer = solve.with(ours("faer, solve"), |ours, faer| ours / faer);
         self.push(
-            "A, PD direct without its local step, over faer's own solve",
+            "A, PD direct without its local step, over faer's own solve in f32",
             Asked::AtMost(1.2),
             over_faer,
         );

@@ -13,19 +13,26 @@ use super::plain::Plain;
 use super::sweeps::Task;
 use crate::figures::FigureError;
 
-/// A solve with a sparse Cholesky factor of PLAIN's matrix in `f64`, three right-hand sides, as faer's documentation shows it.
+/// Time of a solve with a sparse Cholesky factor of PLAIN's matrix \[ms\], three right-hand sides, in `f32` as ours is: it takes
+/// three quarters of the time that `f64` does.
 pub(super) fn task(plain: &Plain) -> Result<Task, FigureError> {
+    const SOLVES: u32 = 4;
     let (n, factor) = factor(plain)?;
     let mut x = Mat::zeros(n, 3);
-    Ok(Task::of_others("faer, solve", move || {
+    let mut solve = move || {
         x.fill(1.0);
-        let begin = Instant::now();
         factor.solve_in_place(&mut x);
-        begin.elapsed().as_secs_f64() * 1e3
+    };
+    Ok(Task::of_others("faer, solve", move || {
+        // One that warms the caches.
+        solve();
+        let begin = Instant::now();
+        (0..SOLVES).for_each(|_| solve());
+        begin.elapsed().as_secs_f64() * 1e3 / f64::from(SOLVES)
     }))
 }
 
-fn factor(plain: &Plain) -> Result<(usize, Llt<u32, f64>), FigureError> {
+fn factor(plain: &Plain) -> Result<(usize, Llt<u32, f32>), FigureError> {
     let (n, entries) = plain.entries();
     let triplets: Vec<_> =
         entries.iter().map(|&(row, column, value)| Triplet::new(row, column, value)).collect();
@@ -48,13 +55,13 @@ mod tests {
         let plain = Plain::new(&model, scenes::STEP).unwrap();
         let (n, factor) = factor(&plain).unwrap();
         assert_eq!(n, 6 * 6 - 2);
-        let mut x = Mat::<f64>::zeros(n, 3);
+        let mut x = Mat::<f32>::zeros(n, 3);
         x.fill(1.0);
         factor.solve_in_place(&mut x);
         let mut left = vec![1.0; n];
         for (row, column, value) in plain.entries().1 {
             left[row as usize] -= value * x[(column as usize, 2)];
         }
-        assert!(left.iter().all(|left| left.abs() < 1e-9), "{left:?}");
+        assert!(left.iter().all(|left| left.abs() < 1e-4), "{left:?}");
     }
 }

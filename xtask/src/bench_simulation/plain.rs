@@ -93,7 +93,7 @@ impl Plain {
 
     /// Y among the particles that are not pinned, numbered anew: how many they are; row, column and
     /// value \[N/m\] of each entry.
-    pub(super) fn entries(&self) -> (usize, Vec<(u32, u32, f64)>) {
+    pub(super) fn entries(&self) -> (usize, Vec<(u32, u32, f32)>) {
         let mut free = 0..;
         let is_free = |inverse: &f32| *inverse > 0.0;
         let numbers: Vec<Option<u32>> = self
@@ -104,10 +104,10 @@ impl Plain {
         let mut entries = Vec::new();
         for (i, row) in numbers.iter().enumerate() {
             let Some(row) = *row else { continue };
-            entries.push((row, row, 1.0 / f64::from(self.inverse_diagonal[i])));
+            entries.push((row, row, 1.0 / self.inverse_diagonal[i]));
             for k in self.offsets[i] as usize..self.offsets[i + 1] as usize {
                 if let Some(column) = numbers[self.columns[k] as usize] {
-                    entries.push((row, column, -f64::from(self.weights[k])));
+                    entries.push((row, column, -self.weights[k]));
                 }
             }
         }
