@@ -138,5 +138,15 @@ mod tests {
         let moved = before.iter().flatten().zip(plain.x.iter().flatten()).map(|(a, b)| (a - b).abs());
         let largest = plain.x.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs()));
         assert!(moved.fold(0.0_f32, f32::max) < 1e-5 * largest && largest > 0.0);
+
+        let (n, entries) = plain.entries();
+        let is_free = |i: &usize| plain.inverse_diagonal[*i] > 0.0;
+        let free: Vec<usize> = (0..plain.x.len()).filter(is_free).collect();
+        assert_eq!((n, free.len()), (6 * 6 - 2, 6 * 6 - 2));
+        let mut left = vec![0.3; n];
+        for (row, column, value) in entries {
+            left[row as usize] -= value * plain.x[free[column as usize]][2];
+        }
+        assert!(left.iter().all(|left| left.abs() < 0.003), "{left:?}");
     }
 }

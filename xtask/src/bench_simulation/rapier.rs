@@ -189,3 +189,27 @@ pub(super) fn animations(model: &Model, start: &State) -> impl Iterator<Item = R
         Running::new(name, 60, Animation { cloth: Cloth::new(model, start), plan })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use vivace_solver::reference::Reference;
+
+    use super::*;
+    use crate::bench_simulation::scenes;
+
+    #[test]
+    fn a_converged_step_of_a_stretched_cloth_is_ours() {
+        let (model, start) = scenes::cloth(6, 100.0, true).unwrap();
+        let mut state = start.clone();
+        state.positions.iter_mut().for_each(|q| *q *= 1.05);
+        // Short, or directions turn.
+        let h = 0.1 * STEP;
+        let mut reference = Reference::new(&model, f64::from(h)).unwrap();
+        let answer = reference.solve(&state, &Forces::default()).unwrap();
+        let mut cloth = Cloth::new(&model, &start);
+        cloth.set(&state);
+        cloth.step(h, [1, 500]);
+        let error = answer.error(&cloth.positions());
+        assert!(error < 0.01, "{error}");
+    }
+}
