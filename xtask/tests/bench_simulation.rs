@@ -37,12 +37,18 @@ fn bars_and_tables_are_written() {
     }
     // Bars on one and on two threads, on all scenes.
     let asked = |row: &&Vec<Value>| row[1] != Value::from("");
-    assert_eq!(finished.bars.rows.iter().filter(asked).count(), 7 + 2 + 4 + 1 + 9);
+    assert_eq!(finished.bars.rows.iter().filter(asked).count(), 7 + 2 + 2 + 4 + 1 + 11);
+    let has_rapier = cfg!(feature = "rapier");
     for row in finished.bars.rows.iter().filter(asked) {
-        assert!(matches!(row[3], Value::Flag(_)), "{row:?}");
+        let is_known = has_rapier || !row[0].shown().contains("rapier3d");
+        assert_eq!(matches!(row[3], Value::Flag(_)), is_known, "{row:?}");
+    }
+    for table in [&finished.times, &finished.winners, &finished.animation] {
+        let is_rival = |value: &Value| value.shown().contains("rapier3d");
+        assert_eq!(table.rows.iter().flatten().any(is_rival), has_rapier, "{}", table.name);
     }
     let stability = finished.bars.rows.iter().filter(|row| row[0].shown().starts_with("stability"));
-    for row in stability {
+    for row in stability.filter(asked) {
         assert_eq!(row[3], Value::Flag(true), "{row:?}");
     }
 }

@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use vivace_solver::{Budget, Forces, Relaxation, Solver, State, System};
+use glam::Vec3;
+use rayon::ThreadPool;
+use vivace_solver::{Budget, Forces, Relaxation, Solver, SolverError, State, System};
 
 use super::plain::Plain;
 use super::scenes::{self, STEP};
@@ -25,13 +27,53 @@ pub(super) struct Animation {
     pub(super) strain: f64,
 }
 
-struct Running {
-    name: String,
-    rate: u32,
-    iterations: u32,
+/// What can be animated.
+pub(super) trait Animated {
+    /// Makes a step of `h` \[s\]. Its time \[ms\] without what is done once and for all; nothing if it diverged.
+    fn step(&mut self, pool: &ThreadPool, h: f32) -> Result<Option<f64>, FigureError>;
+
+    /// Where the particles are \[m\].
+    fn positions(&self) -> Vec<Vec3>;
+}
+
+struct Ours {
     system: System,
     state: State,
+    iterations: u32,
+}
+
+impl Animated for Ours {
+    fn step(&mut self, pool: &ThreadPool, h: f32) -> Result<Option<f64>, FigureError> {
+        let Self { system, state, iterations } = self;
+        let begin = Instant::now();
+        let result =
+            pool.install(|| system.step(state, &Forces::default(), h, Budget::iterations(*iterations)));
+        let seconds = begin.elapsed().as_secs_f64();
+        match result {
+            // The factor is made once, in the first step.
+            Ok(report) => Ok(Some((seconds - report.times.setup) * 1e3)),
+            Err(SolverError::Diverged { .. }) => Ok(None),
+            Err(other) => Err(other.into()),
+        }
+    }
+
+    fn positions(&self) -> Vec<Vec3> {
+        self.state.positions.clone()
+    }
+}
+
+/// A setting that is being animated.
+pub(super) struct Running {
+    name: String,
+    rate: u32,
+    body: Box<dyn Animated>,
     is_lost: bool,
+}
+
+impl Running {
+    pub(super) fn new(name: String, rate: u32, body: impl Animated + 'static) -> Self {
+        Self { name, rate, body: Box::new(body), is_lost: false }
+    }
 }
 
 /// Frames that one setting runs before the next has its turn: caches are its own after the first.
@@ -79,23 +121,29 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Animation>, Fi
     for (name, rate, iterations, solver, is_bending) in settings() {
         let model = if is_bending { &model } else { &springs };
         let system = System::new(model.clone(), solver)?;
-        running.push(Running { name, rate, iterations, system, state: start.clone(), is_lost: false });
+        running.push(Running::new(name, rate, Ours { system, state: start.clone(), iterations }));
     }
+    #[cfg(feature = "rapier")]
+    running.extend(super::rapier::animations(&model, &start));
     let mut times = Times::default();
     for _ in 0..sizes.animation.div_ceil(TURN) {
         times.push(Times::PLAIN.0, Times::PLAIN.1, 1, plain.time());
         for one in &mut running {
             let key = format!("{} {}", one.name, one.rate);
             for _ in 0..TURN * one.rate / 60 {
-                if let Some(ms) = pools.one.install(|| one.frame())? {
-                    times.push("A", &key, 1, ms * f64::from(one.rate) / 60.0);
+                if one.is_lost {
+                    break;
+                }
+                match one.body.step(&pools.one, 1.0 / one.rate as f32)? {
+                    Some(ms) => times.push("A", &key, 1, ms * f64::from(one.rate) / 60.0),
+                    None => one.is_lost = true,
                 }
             }
         }
     }
     let finished = |one: Running| {
         let key = format!("{} {}", one.name, one.rate);
-        let strain = scenes::mean_strain(&model, &one.state);
+        let strain = scenes::mean_strain(&model, &one.body.positions());
         Animation {
             ms: times.ms("A", &key, 1),
             over_plain: times.ratio("A", &key, 1),
@@ -105,29 +153,6 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Animation>, Fi
         }
     };
     Ok(running.into_iter().map(finished).collect())
-}
-
-impl Running {
-    /// Time of a step \[ms\]; nothing once it diverged.
-    fn frame(&mut self) -> Result<Option<f64>, FigureError> {
-        if self.is_lost {
-            return Ok(None);
-        }
-        let begin = Instant::now();
-        let h = 1.0 / self.rate as f32;
-        let result =
-            self.system.step(&mut self.state, &Forces::default(), h, Budget::iterations(self.iterations));
-        let seconds = begin.elapsed().as_secs_f64();
-        match result {
-            // The factor is made once, in the first step.
-            Ok(report) => Ok(Some((seconds - report.times.setup) * 1e3)),
-            Err(vivace_solver::SolverError::Diverged { .. }) => {
-                self.is_lost = true;
-                Ok(None)
-            }
-            Err(other) => Err(other.into()),
-        }
-    }
 }
 
 /// A row for each setting.

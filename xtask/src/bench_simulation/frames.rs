@@ -18,6 +18,8 @@ pub(super) enum Kind {
     Direct,
     /// Shown for reference.
     Reference,
+    /// The solver of others.
+    Rival,
 }
 
 impl Kind {
@@ -26,15 +28,27 @@ impl Kind {
             Self::Relaxation => "relaxation",
             Self::Direct => "direct",
             Self::Reference => "reference",
+            Self::Rival => "rival",
         }
     }
 }
 
 /// A setting with its name.
 pub(super) struct Setting {
-    pub(super) name: String,
-    pub(super) kind: Kind,
+    name: String,
+    kind: Kind,
     pub(super) solver: Solver,
+}
+
+impl Setting {
+    /// The name, and whether it is watched.
+    pub(super) fn full_name(&self) -> String {
+        full_name(&self.name, self.solver.safeguard)
+    }
+}
+
+fn full_name(name: &str, has_safeguard: bool) -> String {
+    format!("{name}{}", if has_safeguard { ", safeguard" } else { "" })
 }
 
 /// Error of one setting after one budget.
@@ -42,22 +56,22 @@ pub(super) struct Setting {
 pub(super) struct Left {
     /// Of the springs \[N/m\].
     pub(super) stiffness: f32,
-    setting: String,
-    has_safeguard: bool,
+    pub(super) setting: String,
+    pub(super) has_safeguard: bool,
     pub(super) kind: Kind,
-    ms_per_iteration: f64,
+    pub(super) ms_per_iteration: f64,
     /// The budget \[ms\].
     pub(super) ms: f64,
-    iterations: u32,
+    pub(super) iterations: u32,
     /// NaN where the solver diverged.
     pub(super) error: f64,
-    backoffs: u32,
+    pub(super) backoffs: u32,
 }
 
 impl Left {
     /// The setting, and whether it is watched.
     pub(super) fn name(&self) -> String {
-        format!("{}{}", self.setting, if self.has_safeguard { ", safeguard" } else { "" })
+        full_name(&self.setting, self.has_safeguard)
     }
 }
 
@@ -79,6 +93,9 @@ pub(super) fn settings() -> Vec<Setting> {
     push("GS".into(), Relaxed, false, sor(1.0), diagonal);
     for omega in [1.7, 1.9] {
         push(format!("SOR {omega}"), Relaxed, true, sor(omega), diagonal);
+    }
+    for omega in [1.5, 1.7, 1.9] {
+        push(format!("SOR {omega}"), Relaxed, false, sor(omega), diagonal);
     }
     for rho in [0.99, 0.995, 0.998, 0.999, 0.9995] {
         push(format!("Chebyshev-GS {rho}"), Relaxed, true, chebyshev(rho), diagonal);
@@ -149,13 +166,15 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Left>, FigureE
                 });
             }
         }
+        #[cfg(feature = "rapier")]
+        all.extend(super::rapier::errors(sizes, stiffness, (&model, &start), &state, &answer));
     }
     Ok(all)
 }
 
 /// How many iterations of `each` \[ms\] fit into `ms`, at least one.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates; times are positive")]
-fn fitting(ms: f64, each: f64) -> u32 {
+pub(super) fn fitting(ms: f64, each: f64) -> u32 {
     ((ms / each) as u32).clamp(1, 100_000)
 }
 
@@ -204,8 +223,13 @@ fn error(
 }
 
 /// The best of a kind after a budget.
-pub(super) fn best(all: &[Left], stiffness: f32, ms: f64, kind: Kind) -> Option<&Left> {
-    all.iter()
+pub(super) fn best<'a>(
+    all: impl IntoIterator<Item = &'a Left>,
+    stiffness: f32,
+    ms: f64,
+    kind: Kind,
+) -> Option<&'a Left> {
+    all.into_iter()
         .filter(|left| left.stiffness == stiffness && left.ms == ms && left.kind == kind)
         .filter(|left| !left.error.is_nan())
         .min_by(|a, b| a.error.total_cmp(&b.error))
@@ -247,7 +271,7 @@ pub(super) fn winners(all: &[Left], budgets: &[f64]) -> Table {
     let mut table = Table::new("Least error of one frame", &["stiffness", "ms", "kind", "setting", "error"]);
     for stiffness in [100.0, 10.0] {
         for &ms in budgets {
-            for kind in [Kind::Relaxation, Kind::Direct, Kind::Reference] {
+            for kind in [Kind::Relaxation, Kind::Direct, Kind::Reference, Kind::Rival] {
                 if let Some(left) = best(all, stiffness, ms, kind) {
                     let row: [Value; 5] = [
                         stiffness.into(),

@@ -1,7 +1,8 @@
 //! The solvers of `vivace-solver`, measured in one run, as ratios to a plain Gauss-Seidel sweep ([`Plain`], PLAIN in tables); and
 //! the bars that the project holds itself to.
 //!
-//! Workload A is a hanging cloth of springs and hinges, B a bar of tetrahedra (`scenes.rs`). All that is compared took turns.
+//! Workload A is a hanging cloth of springs and hinges, B a bar of tetrahedra (`scenes.rs`). All that is compared took turns. With
+//! the feature `rapier` the soft bodies of rapier3d run beside ours (`rapier.rs`).
 //!
 //! `times.csv`, a row for each task: `workload`, `task`, `threads`, `runs`, `ms`, `ms_q1`, `ms_q3`, `ms_min` (per iteration),
 //! `over_plain` (ratio of the medians), `over_plain_min` (of the minima). `frames.csv`, what one frame leaves of its error:
@@ -12,8 +13,11 @@
 
 mod animation;
 mod bars;
+mod factor;
 mod frames;
 mod plain;
+#[cfg(feature = "rapier")]
+mod rapier;
 mod scenes;
 mod stability;
 mod sweeps;
@@ -58,7 +62,7 @@ impl Sizes {
             frames_before: 10,
             budgets: vec![4.0, 8.0, 15.0, 25.0],
             animation: 180,
-            stability: (90, vec![1, 2, 4, 10, 20, 50, 100], vec![1.0, 10.0, 100.0, 1000.0]),
+            stability: (90, vec![1, 2, 3, 4, 5, 7, 10, 20, 50, 100], vec![1.0, 10.0, 100.0, 1000.0]),
         }
     }
 
@@ -72,6 +76,9 @@ impl Sizes {
         }
     }
 }
+
+/// The start of a command that runs rapier3d's soft bodies too.
+pub const WITH_RAPIER: &str = "cargo run --release -p xtask --features rapier --";
 
 /// What a run is asked for.
 #[derive(Clone, Debug)]

@@ -91,6 +91,29 @@ impl Plain {
         start.elapsed().as_secs_f64() * 1e3 / f64::from(SWEEPS)
     }
 
+    /// Y among the particles that are not pinned, numbered anew: how many they are; row, column and
+    /// value \[N/m\] of each entry.
+    pub(super) fn entries(&self) -> (usize, Vec<(u32, u32, f32)>) {
+        let mut free = 0..;
+        let is_free = |inverse: &f32| *inverse > 0.0;
+        let numbers: Vec<Option<u32>> = self
+            .inverse_diagonal
+            .iter()
+            .map(|inverse| is_free(inverse).then(|| free.next()).flatten())
+            .collect();
+        let mut entries = Vec::new();
+        for (i, row) in numbers.iter().enumerate() {
+            let Some(row) = *row else { continue };
+            entries.push((row, row, 1.0 / self.inverse_diagonal[i]));
+            for k in self.offsets[i] as usize..self.offsets[i + 1] as usize {
+                if let Some(column) = numbers[self.columns[k] as usize] {
+                    entries.push((row, column, -self.weights[k]));
+                }
+            }
+        }
+        (numbers.iter().flatten().count(), entries)
+    }
+
     /// Entries off the diagonal.
     pub fn n_entries(&self) -> usize {
         self.columns.len()
@@ -115,5 +138,15 @@ mod tests {
         let moved = before.iter().flatten().zip(plain.x.iter().flatten()).map(|(a, b)| (a - b).abs());
         let largest = plain.x.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs()));
         assert!(moved.fold(0.0_f32, f32::max) < 1e-5 * largest && largest > 0.0);
+
+        let (n, entries) = plain.entries();
+        let is_free = |i: &usize| plain.inverse_diagonal[*i] > 0.0;
+        let free: Vec<usize> = (0..plain.x.len()).filter(is_free).collect();
+        assert_eq!((n, free.len()), (6 * 6 - 2, 6 * 6 - 2));
+        let mut left = vec![0.3; n];
+        for (row, column, value) in entries {
+            left[row as usize] -= value * plain.x[free[column as usize]][2];
+        }
+        assert!(left.iter().all(|left| left.abs() < 0.003), "{left:?}");
     }
 }

@@ -8,6 +8,7 @@ use vivace_solver::{
     Base, Budget, Forces, Framework, LocalStep, Model, Relaxation, Solver, State, System, VertexSolve,
 };
 
+use super::factor;
 use super::plain::Plain;
 use super::scenes::{self, Material, STEP};
 use super::times::{Reading, Times};
@@ -43,36 +44,48 @@ pub(super) fn position_based() -> Solver {
 /// A local step and then only sweeps: there is one for all iterations that are timed.
 const FROZEN: u32 = 100_000;
 
-/// What is timed on one model.
-struct Task {
+/// rapier's iterations: a substep with new directions and one sweep, and one more sweep.
+pub(super) const SUBSTEP: &str = "rapier3d, substep";
+/// See [`SUBSTEP`].
+pub(super) const SWEEP: &str = "rapier3d, sweep";
+
+/// Time of an iteration \[ms\].
+type Timing = dyn FnMut(&ThreadPool) -> Result<f64, FigureError>;
+
+/// What is timed.
+pub(super) struct Task {
     workload: &'static str,
     name: &'static str,
-    system: System,
-    start: State,
-    iterations: u32,
+    /// Whether it has any use for more than one thread.
+    is_parallel: bool,
+    time: Box<Timing>,
 }
 
 impl Task {
     fn new(
         workload: &'static str,
         name: &'static str,
-        scene: &(Model, State),
+        (model, start): &(Model, State),
         solver: Solver,
         iterations: u32,
     ) -> Result<Self, FigureError> {
-        let system = System::new(scene.0.clone(), solver)?;
-        Ok(Self { workload, name, system, start: scene.1.clone(), iterations })
+        let mut system = System::new(model.clone(), solver)?;
+        let start = start.clone();
+        let time = move |pool: &ThreadPool| {
+            let (forces, mut state) = (Forces::default(), start.clone());
+            let report = pool.install(|| {
+                // A few that warm up.
+                system.step(&mut state, &forces, STEP, Budget::iterations(2))?;
+                system.step(&mut state, &forces, STEP, Budget::iterations(iterations))
+            })?;
+            Ok(report.times.solve * 1e3 / f64::from(report.iterations.max(1)))
+        };
+        Ok(Self { workload, name, is_parallel: true, time: Box::new(time) })
     }
 
-    /// Time of an iteration \[ms\], after a few that warm up.
-    fn run(&mut self, pool: &ThreadPool) -> Result<f64, FigureError> {
-        let (forces, mut state) = (Forces::default(), self.start.clone());
-        let (system, iterations) = (&mut self.system, self.iterations);
-        let report = pool.install(|| {
-            system.step(&mut state, &forces, STEP, Budget::iterations(2))?;
-            system.step(&mut state, &forces, STEP, Budget::iterations(iterations))
-        })?;
-        Ok(report.times.solve * 1e3 / f64::from(report.iterations.max(1)))
+    /// What others do on A, on the thread that calls.
+    pub(super) fn of_others(name: &'static str, mut time: impl FnMut() -> f64 + 'static) -> Self {
+        Self { workload: "A", name, is_parallel: false, time: Box::new(move |_| Ok(time())) }
     }
 }
 
@@ -87,8 +100,8 @@ fn in_turns(
     for _ in 0..runs {
         for (pool, n_threads) in pools.all() {
             times.push(Times::PLAIN.0, Times::PLAIN.1, 1, plain.time());
-            for task in &mut *tasks {
-                times.push(task.workload, task.name, n_threads, task.run(pool)?);
+            for task in tasks.iter_mut().filter(|task| task.is_parallel || n_threads == 1) {
+                times.push(task.workload, task.name, n_threads, (task.time)(pool)?);
             }
         }
     }
@@ -117,6 +130,9 @@ pub(super) fn cloth(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(
         Task::new("A", "PD direct", &scene, direct, 4)?,
     ];
     let mut plain = Plain::new(&scene.0, STEP)?;
+    tasks.push(factor::task(&plain)?);
+    #[cfg(feature = "rapier")]
+    tasks.extend(super::rapier::tasks(&scene));
     in_turns(&mut tasks, &mut plain, pools, sizes.runs, times)
 }
 
@@ -167,7 +183,7 @@ pub(super) fn large(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<V
     for _ in 0..runs {
         for ((pool, n_threads), copied) in pools.all().zip(&mut copied) {
             copied.push(copy(pool, &mut memory));
-            times.push("huge cloth", name, n_threads, task.run(pool)?);
+            times.push("huge cloth", name, n_threads, (task.time)(pool)?);
             copied.push(copy(pool, &mut memory));
         }
     }

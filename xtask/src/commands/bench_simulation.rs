@@ -5,14 +5,15 @@ use std::path::PathBuf;
 
 use super::reproduce_figures::workspace;
 use super::{CommandError, output};
-use crate::bench_simulation::{self, Options, Sizes};
+use crate::bench_simulation::{self, Options, Sizes, WITH_RAPIER};
 use crate::report::Progress;
 
 /// Measure all solvers as ratios to a plain Gauss-Seidel sweep, and print the bars
 ///
 /// It takes several minutes. Prints which bars are met and writes the tables (CSV,
 /// JSON, one page) with machine, commit and command. The exit code does not depend
-/// on the bars: times belong to a machine.
+/// on the bars: times belong to a machine. Built with `--features rapier` it runs
+/// rapier3d's soft bodies too.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// No scene of a million vertices, fewer runs
@@ -29,12 +30,13 @@ pub struct Args {
 /// Measures, prints and writes.
 pub fn run(args: Args) -> Result<(), CommandError> {
     let quick = if args.quick { " --quick" } else { "" };
+    let cargo = if cfg!(feature = "rapier") { WITH_RAPIER } else { "cargo xtask" };
     let options = Options {
         sizes: if args.quick { Sizes::quick() } else { Sizes::full() },
         n_threads: usize::try_from(args.threads).unwrap_or(1),
         out: args.out.unwrap_or_else(|| workspace().join("out/bench-simulation")),
         source: workspace(),
-        command: format!("cargo xtask bench-simulation{quick} --threads {}", args.threads),
+        command: format!("{cargo} bench-simulation{quick} --threads {}", args.threads),
     };
     let mut progress = Progress::new();
     let finished = bench_simulation::run(&options, &mut progress)
