@@ -158,7 +158,7 @@ mod tests {
             if !(x >= y && y >= f32::abs(z) && y >= 0.0) {
                 continue;
             }
-            for target in [0.3, 1.0, 2.0] {
+            for target in [0.3_f32, 1.0, 2.0] {
                 let sigma = Vec3::new(x, y, z);
                 let s = nearest_with_product(sigma, target.cbrt());
                 assert!(s.min_element() > 0.0, "{sigma} {target}: {s}");

@@ -62,8 +62,13 @@ impl Constraint<3, 2> for TriangleStrain {
     #[inline]
     fn project(&self, [a, b]: [Vec3; 2]) -> [Vec3; 2] {
         let clamp = |sigma: f32| sigma.min(1.0 + self.limit).max(1.0 - self.limit);
+        let given = [a, b];
         let (c, s) = jacobi(a, b).unwrap_or((1.0, 0.0));
         let (a, b) = (c * a - s * b, s * a + c * b);
+        if [a.length(), b.length()].iter().all(|&sigma| clamp(sigma) == sigma) {
+            // Within the limit nothing is projected, not even by rounding.
+            return given;
+        }
         let (u, v) = if a.length_squared() >= b.length_squared() {
             frame(a, b).into()
         } else {

@@ -73,7 +73,6 @@ fn sweeps_on_two_threads_allocate_nothing() {
 }
 
 #[test]
-#[ignore = "known to fail: on several threads a sum collects the sums of its pieces"]
 fn sums_on_two_threads_allocate_nothing() {
     assert_none_on_two_threads(true, Budget::tolerance(0.0).and_iterations(2));
 }

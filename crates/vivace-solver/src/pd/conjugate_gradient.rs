@@ -195,28 +195,6 @@ pub(crate) mod tests {
         (rows, anchor_weights, r)
     }
 
-    /// ‖r − Y δ‖ / ‖r‖, each entry taken from the rows themselves.
-    pub(crate) fn relative_residual(
-        rows: &Rows,
-        anchor_weights: &[f32],
-        r: &[Vec3],
-        solution: &[Vec3],
-    ) -> f64 {
-        let (mut left, mut first) = (0.0, 0.0);
-        for i in 0..rows.len() {
-            let d = f64::from(rows.diagonal[i]) + f64::from(anchor_weights[i]);
-            let mut sum = r[i].as_dvec3() - d * solution[i].as_dvec3();
-            for k in rows.offsets[i] as usize..rows.offsets[i + 1] as usize {
-                if let Some(x) = solution.get(rows.columns[k] as usize) {
-                    sum += f64::from(rows.weights[k]) * x.as_dvec3();
-                }
-            }
-            left += sum.length_squared();
-            first += r[i].as_dvec3().length_squared();
-        }
-        (left / first).sqrt()
-    }
-
     const BOTH: [Preconditioner; 2] = [Preconditioner::Jacobi, Preconditioner::SymmetricGaussSeidel];
 
     #[test]
@@ -226,7 +204,7 @@ pub(crate) mod tests {
             let mut x = r.clone();
             let mut solver = ConjugateGradient::default();
             solver.solve_in_place(&rows, &anchor_weights, preconditioner, 1000, &mut x);
-            let left = relative_residual(&rows, &anchor_weights, &r, &x);
+            let left = rows.relative_residual(&anchor_weights, &r, &x);
             assert!(left < 2e-5, "{preconditioner:?} {left}");
             // Kept work vectors carry nothing over.
             let mut again = r.clone();
@@ -241,7 +219,7 @@ pub(crate) mod tests {
         let left = BOTH.map(|preconditioner| {
             let mut x = r.clone();
             ConjugateGradient::default().solve_in_place(&rows, &anchor_weights, preconditioner, 15, &mut x);
-            relative_residual(&rows, &anchor_weights, &r, &x)
+            rows.relative_residual(&anchor_weights, &r, &x)
         });
         assert!(left[1] < 0.3 * left[0], "{left:?}");
     }
@@ -269,6 +247,6 @@ pub(crate) mod tests {
         let mut x = r.clone();
         ConjugateGradient::default().solve_in_place(&rows, &anchor_weights, BOTH[0], 50, &mut x);
         assert!(x.iter().all(|x| x.y == 0.0 && x.is_finite()));
-        assert!(relative_residual(&rows, &anchor_weights, &r, &x) < 1e-4);
+        assert!(rows.relative_residual(&anchor_weights, &r, &x) < 1e-4);
     }
 }

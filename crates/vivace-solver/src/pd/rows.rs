@@ -1,5 +1,7 @@
 //! The rows of Y (Eq. 1).
 
+#[cfg(any(test, feature = "direct"))]
+use glam::Vec3;
 use vivace_coloring::ConstraintGraph;
 use vivace_kernels::constraint::Constraint;
 use vivace_model::{KindVisitor, Model, Store};
@@ -124,6 +126,25 @@ impl Rows {
     /// What part of an entry's energy its row has: an entry towards a free particle stands in two rows.
     pub(crate) fn share(&self, entry: usize) -> f32 {
         if (self.columns[entry] as usize) < self.len() { 0.5 } else { 1.0 }
+    }
+
+    /// ‖r − Y δ‖ / ‖r‖, summed up in `f64`; 0 for r = 0.
+    #[cfg(any(test, feature = "direct"))]
+    pub(crate) fn relative_residual(&self, anchor_weights: &[f32], r: &[Vec3], solution: &[Vec3]) -> f64 {
+        let (mut left, mut first) = (0.0, 0.0);
+        for i in 0..self.len() {
+            let d = f64::from(self.diagonal[i]) + f64::from(anchor_weights[i]);
+            let mut sum = r[i].as_dvec3() - d * solution[i].as_dvec3();
+            for k in self.offsets[i] as usize..self.offsets[i + 1] as usize {
+                // Pinned particles, whose numbers are beyond the rows, do not move.
+                if let Some(x) = solution.get(self.columns[k] as usize) {
+                    sum += f64::from(self.weights[k]) * x.as_dvec3();
+                }
+            }
+            left += sum.length_squared();
+            first += r[i].as_dvec3().length_squared();
+        }
+        if first > 0.0 { (left / first).sqrt() } else { 0.0 }
     }
 
     /// How many rows there are.
