@@ -52,17 +52,17 @@ pub struct Sizes {
 impl Sizes {
     /// Two minutes or so for all four figures.
     pub fn quick() -> Self {
-        Self { vertices: 600, n_frames: 24, every: 12, most_sweeps: 128, still: 300 }
+        Self { vertices: 600, n_frames: 24, every: 6, most_sweeps: 128, still: 300 }
     }
 
     /// The paper's sizes.
     pub fn normal() -> Self {
-        Self { vertices: 10_000, n_frames: 60, every: 20, most_sweeps: 512, still: 420 }
+        Self { vertices: 10_000, n_frames: 60, every: 6, most_sweeps: 512, still: 420 }
     }
 
     /// The paper's sizes, longer and closer.
     pub fn full() -> Self {
-        Self { n_frames: 120, every: 12, most_sweeps: 2048, ..Self::normal() }
+        Self { n_frames: 120, every: 8, most_sweeps: 2048, ..Self::normal() }
     }
 }
 
