@@ -50,9 +50,9 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Two minutes or so for all four figures.
+    /// Some minutes for all four figures.
     pub fn quick() -> Self {
-        Self { vertices: 600, n_frames: 24, every: 6, most_sweeps: 128, still: 300 }
+        Self { vertices: 1500, n_frames: 24, every: 6, most_sweeps: 128, still: 300 }
     }
 
     /// The paper's sizes.
