@@ -132,7 +132,7 @@ impl Sizes {
         }
     }
 
-    /// Half an hour or so.
+    /// An hour or so.
     pub fn normal() -> Self {
         Self {
             flag: "",
