@@ -5,8 +5,11 @@
 use std::path::{Path, PathBuf};
 
 use vivace_mesh::{ball, obj, vtk};
-use xtask::figures::{self, Options, Sizes, simulation};
+use xtask::figures::families::Families;
+use xtask::figures::simulation::{self, scenes};
+use xtask::figures::{self, Options, Sizes};
 use xtask::report::Progress;
+use xtask::tradeoff::Effort;
 
 fn tiny() -> Sizes {
     Sizes {
@@ -17,11 +20,14 @@ fn tiny() -> Sizes {
         seeds: 2,
         ablation_seeds: 2,
         seconds: 0.0,
-        simulation: simulation::Sizes { vertices: 100, n_frames: 4, every: 2, most_sweeps: 8, still: 60 },
+        simulation: simulation::Sizes { vertices: 600, n_frames: 4, every: 2, most_sweeps: 8, still: 60 },
+        trade: Effort { warm_frames: 1, longest_ms: 0.1, stable_frames: 2, fine_steps: 8 },
+        is_reduced: true,
     }
 }
 
-fn options(out: &Path, figures: Vec<u32>, meshes: Option<PathBuf>) -> Options {
+fn options(out: &Path, figures: &[&str], meshes: Option<PathBuf>) -> Options {
+    let figures = figures.iter().map(|name| (*name).to_owned()).collect();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     Options { sizes: tiny(), figures, meshes, out: out.to_owned(), seed: 5, n_threads: 2, source }
 }
@@ -43,7 +49,7 @@ fn columns_are_documented(csv: &str, source: &str) {
 fn both_figures_are_made() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path();
-    let page = figures::reproduce(&options(out, vec![2, 3], None), &mut Progress::silent()).unwrap();
+    let page = figures::reproduce(&options(out, &["2", "3"], None), &mut Progress::silent()).unwrap();
     assert_eq!(page, out.join("report.html"));
 
     let html = read(out, "report.html");
@@ -86,7 +92,7 @@ fn head(source: &str) -> String {
 fn animations_are_compared() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path();
-    figures::reproduce(&options(out, vec![4, 5, 6, 7], None), &mut Progress::silent()).unwrap();
+    figures::reproduce(&options(out, &["4", "5", "6", "7"], None), &mut Progress::silent()).unwrap();
     let n_methods = simulation::methods::methods().len();
     let source = include_str!("../src/figures/simulation/mod.rs").replace("figN", "fig4");
     for (id, n_limits) in [("fig4", 4), ("fig5", 6)] {
@@ -110,11 +116,32 @@ fn animations_are_compared() {
 }
 
 #[test]
+fn the_trade_and_the_extremes_are_in_the_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    figures::reproduce(&options(out, &["trade", "extremes"], None), &mut Progress::silent()).unwrap();
+    columns_are_documented(&read(out, "trade.csv"), include_str!("../src/tradeoff/mod.rs"));
+    columns_are_documented(&read(out, "extremes.csv"), include_str!("../src/extremes/mod.rs"));
+    let mut trade = csv::Reader::from_path(out.join("trade.csv")).unwrap();
+    let rows: Vec<csv::StringRecord> = trade.records().map(Result::unwrap).collect();
+    for scene in ["tablecloth", "armadillo"] {
+        let of: Vec<_> = rows.iter().filter(|row| &row[0] == scene).collect();
+        assert!(of.iter().any(|row| &row[9] == "true") && of.iter().any(|row| &row[10] == "true"), "{scene}");
+        // Small steps have no error against the one step, and an error against the motion.
+        assert!(of.iter().all(|row| row[6].is_empty() == (&row[3] != "1") && !row[7].is_empty()), "{scene}");
+    }
+    let html = read(out, "report.html");
+    for words in ["trade --seed 5", "extremes --seed 5", "Cases by verdict", "What to take for armadillo"] {
+        assert!(html.contains(words), "{words}");
+    }
+}
+
+#[test]
 fn one_seed_gives_the_same_colorings_again() {
     let colors = || {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path();
-        figures::reproduce(&options(out, vec![2], None), &mut Progress::silent()).unwrap();
+        figures::reproduce(&options(out, &["2"], None), &mut Progress::silent()).unwrap();
         assert!(!out.join("fig3.csv").exists());
         let data: serde_json::Value = serde_json::from_str(&read(out, "fig2.json")).unwrap();
         let mut rows = data["rows"].as_array().unwrap().clone();
@@ -141,7 +168,7 @@ fn meshes_of_the_user_are_taken() {
     vtk::write(meshes.join("deep/er/small-armadillo.VTK"), &solid).unwrap();
     std::fs::write(meshes.join("armadillo_broken.vtk"), "no mesh").unwrap();
 
-    let options = options(&out, vec![3], Some(meshes.clone()));
+    let options = options(&out, &["3"], Some(meshes.clone()));
     figures::reproduce(&options, &mut Progress::silent()).unwrap();
     let graphs = read(&out, "fig3-graphs.csv");
     assert!(graphs.contains("My_Bunny.obj (stuffed)"), "{graphs}");
@@ -151,6 +178,13 @@ fn meshes_of_the_user_are_taken() {
             || graphs.contains("boundary of small-armadillo.VTK (stuffed)"),
         "{graphs}"
     );
+    let mut notes = Vec::new();
+    let families = Families::from_folder(&meshes, 5, &mut notes).unwrap();
+    let scene = scenes::armadillo(&families, 600).unwrap();
+    let heights = || scene.state.positions.iter().map(|p| p.y);
+    let height = heights().fold(f32::MIN, f32::max) - heights().fold(f32::MAX, f32::min);
+    assert!((height - 1.0).abs() < 0.1 && scene.caption.contains("vertices held"), "{}", scene.caption);
+
     let html = read(&out, "report.html");
     assert!(html.contains("Bunny (tetrahedra)") && !html.contains("STAND-IN"));
     assert!(html.contains("--meshes"));
@@ -159,11 +193,11 @@ fn meshes_of_the_user_are_taken() {
 #[test]
 fn what_cannot_be_made_is_said() {
     let folder = tempfile::tempdir().unwrap();
-    let fail = |figures, meshes| {
+    let fail = |figures: &[&str], meshes| {
         let options = options(&folder.path().join("out"), figures, meshes);
         figures::reproduce(&options, &mut Progress::silent()).unwrap_err().to_string()
     };
-    assert!(fail(vec![11], None).contains("there are 2 to 7"));
-    assert!(fail(vec![2], Some(folder.path().join("none"))).contains("--meshes"));
-    assert!(fail(vec![2], Some(folder.path().to_owned())).contains("bunny"));
+    assert!(fail(&["11"], None).contains("there are 2, 3, 4, 5, 6, 7, trade, extremes"));
+    assert!(fail(&["2"], Some(folder.path().join("none"))).contains("--meshes"));
+    assert!(fail(&["2"], Some(folder.path().to_owned())).contains("bunny"));
 }

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use proptest::prelude::*;
 use vivace_mesh::irregularity::Irregularity;
-use vivace_mesh::sdf::{Blend, Bounds, Cuboid, SignedDistance, Sphere};
+use vivace_mesh::sdf::{Blend, Bounds, Cuboid, HARE, SignedDistance, Sphere};
 use vivace_mesh::stuffing::{Stuffing, StuffingReport};
 use vivace_mesh::{MeshError, TetMesh, TetReport};
 
@@ -150,7 +150,7 @@ fn a_plate_thinner_than_a_cell_is_filled_where_the_lattice_meets_it() {
 
 #[test]
 fn wanted_numbers_are_met() {
-    let hare: Blend = include_str!("../../../assets/meshes/hare.txt").parse().unwrap();
+    let hare: Blend = HARE.parse().unwrap();
     let near = |found: usize, wanted: usize| (found as f64 / wanted as f64 - 1.0).abs() < 0.03;
     let (mesh, report) = Stuffing::with_about_tets(20_000).fill(&hare).unwrap();
     assert!(near(mesh.tets().len(), 20_000), "{report:?}");

@@ -24,7 +24,10 @@ pub enum SceneError {
         path: PathBuf,
     },
     /// The text is not a scene.
-    #[error("{}line {line}, column {column}: {reason}", prefix(path.as_ref()))]
+    #[error(
+        "{}line {line}, column {column}: {reason}; write there what the documentation of `Scene` lists",
+        prefix(path.as_ref())
+    )]
     Syntax {
         /// The file, where it was one.
         path: Option<PathBuf>,

@@ -1,5 +1,7 @@
 //! What a body is made of.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 use vivace_mesh::{Mesh, TetMesh, TriMesh};
 use vivace_model::ModelBuilder;
@@ -72,6 +74,35 @@ pub struct VolumeStiffness {
     /// Least and greatest volume without a force, over that at rest \[1\]; exactly the rest volume if left out.
     #[serde(default = "rest_volume")]
     pub range: [f32; 2],
+}
+
+impl fmt::Display for Material {
+    /// In one line, with units.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let springs = match *self {
+            Self::Cloth { density, springs, bending, strain } => {
+                write!(f, "{density} kg/m\u{b2}")?;
+                if let Some(Bending { stiffness, curved }) = bending {
+                    write!(f, ", {} hinges of {stiffness:?} J", if curved { "curved" } else { "flat" })?;
+                }
+                if let Some(ClothStrain { stiffness, limit }) = strain {
+                    write!(f, ", {stiffness} N/m beyond a strain of {limit}")?;
+                }
+                springs
+            }
+            Self::Volume { density, strain, volume, springs } => {
+                write!(f, "{density} kg/m\u{b3}")?;
+                if let Some(stiffness) = strain {
+                    write!(f, ", {stiffness} Pa against changes of shape")?;
+                }
+                if let Some(VolumeStiffness { stiffness, range: [least, most] }) = volume {
+                    write!(f, ", {stiffness} Pa against volumes outside {least} to {most}")?;
+                }
+                springs
+            }
+        };
+        springs.map_or(Ok(()), |stiffness| write!(f, ", springs of {stiffness} N/m"))
+    }
 }
 
 fn cloth_density() -> f32 {

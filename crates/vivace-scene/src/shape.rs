@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use vivace_mesh::irregularity::Irregularity;
-use vivace_mesh::sdf::{Blend, ClosedSurface, SignedDistance};
+use vivace_mesh::sdf::{Blend, ClosedSurface, DILLO, HARE, SignedDistance};
 use vivace_mesh::stuffing::Stuffing;
-use vivace_mesh::{Mesh, TetMesh, TriMesh, ball, beam, cloth, load, obj};
+use vivace_mesh::{Mesh, MeshError, TetMesh, TriMesh, ball, beam, cloth, load};
 
 use crate::BodyError;
 
@@ -83,7 +83,8 @@ pub enum Source {
     Hare,
     /// Lines `blend`, `cone` and `ellip`, see [`vivace_mesh::sdf::Blend`].
     Text(String),
-    /// A file of such lines, or a closed surface as .obj; the path is relative to the scene's folder.
+    /// A file of such lines, a closed surface as .obj, or a volume as .vtk whose boundary is one; the path is relative to the
+    /// scene's folder.
     Path(PathBuf),
 }
 
@@ -131,13 +132,19 @@ impl Source {
     fn distance(&self, folder: &Path) -> Result<Box<dyn SignedDistance>, BodyError> {
         let blend = |text: &str| Ok(Box::new(text.parse::<Blend>()?) as Box<dyn SignedDistance>);
         match self {
-            Self::Dillo => blend(include_str!("../../../assets/meshes/dillo.txt")),
-            Self::Hare => blend(include_str!("../../../assets/meshes/hare.txt")),
+            Self::Dillo => blend(DILLO),
+            Self::Hare => blend(HARE),
             Self::Text(text) => blend(text),
             Self::Path(path) => {
                 let path = folder.join(path);
-                if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) {
-                    return Ok(Box::new(ClosedSurface::new(&obj::read(&path)?.mesh)?));
+                let has = |wanted| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(wanted));
+                if has("obj") || has("vtk") {
+                    let surface = match load(&path)?.mesh {
+                        Mesh::Tet(mesh) => mesh.boundary_mesh()?.0,
+                        Mesh::Tri(mesh) => mesh,
+                        _ => return Err(MeshError::Empty { what: "triangles" }.into()),
+                    };
+                    return Ok(Box::new(ClosedSurface::new(&surface)?));
                 }
                 match std::fs::read_to_string(&path) {
                     Ok(text) => blend(&text),

@@ -53,7 +53,7 @@ fn the_armadillo_hangs_by_one_hand() {
     assert!((48_000..62_000).contains(&n_tets), "{n_tets}");
     assert_eq!(model.constraints().tet_volume.len(), n_tets);
     let pinned = pinned(&model);
-    assert!((10..200).contains(&pinned.len()), "{}", pinned.len());
+    assert!((10..300).contains(&pinned.len()), "{}", pinned.len());
     assert!(pinned.iter().all(|&p| state.positions[p as usize].x > 0.2));
 }
 

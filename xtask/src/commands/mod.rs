@@ -13,6 +13,7 @@ pub mod tradeoff;
 
 mod input;
 mod output;
+mod scene;
 mod setup;
 mod vulkan;
 

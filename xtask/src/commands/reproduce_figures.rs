@@ -8,7 +8,7 @@ use crate::report::Progress;
 
 /// Make the paper's figures anew and write a report
 ///
-/// Without --quick or --full it takes half an hour or so. The report is one page that
+/// Without --quick or --full it takes an hour or so. The report is one page that
 /// needs no other file, beside the figures (SVG, PNG) and the data (CSV, JSON).
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -18,9 +18,9 @@ pub struct Args {
     /// Up to a million vertices
     #[arg(long)]
     full: bool,
-    /// Make this figure alone (2 to 7); may be given more than once
-    #[arg(long, value_name = "N")]
-    figure: Vec<u32>,
+    /// Make this figure alone; may be given more than once
+    #[arg(long, value_name = "NAME", value_parser = figures::names())]
+    figure: Vec<String>,
     /// Folder with your own bunny and armadillo: *.obj (closed surfaces) and *.vtk
     /// (tetrahedra), found by name; generated stand-ins otherwise
     #[arg(long, value_name = "DIR")]

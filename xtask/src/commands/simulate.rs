@@ -6,10 +6,9 @@ mod strain;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use vivace_scene::Scene;
 use vivace_sim::{Budget, SimError, Simulation, Snapshot, Solver, StepReport, Stop};
 
-use super::{CommandError, output};
+use super::{CommandError, output, scene};
 use crate::report::Progress;
 use frames::{Album, Format};
 use strain::Strain;
@@ -85,7 +84,7 @@ const COLUMNS: [&str; 12] = [
 pub fn run(args: Args) -> Result<(), CommandError> {
     let mut progress = if args.quiet { Progress::silent() } else { Progress::new() };
     let solver = args.solver.as_deref().map_or_else(|| Ok(Solver::default()), solver)?;
-    let (scene, folder) = scene(&args.scene)?;
+    let (scene, folder) = scene::load(&args.scene, None)?;
     let mut simulation =
         Simulation::new_in(&scene, &folder, solver).map_err(|error| failed(&args.scene, &error))?;
     let strain = Strain::at_rest(simulation.model(), simulation.positions());
@@ -170,22 +169,6 @@ fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f
         number(max),
         stop.to_owned(),
     ]
-}
-
-/// The scene, and the folder that its paths are relative to.
-fn scene(path: &Path) -> Result<(Scene, PathBuf), CommandError> {
-    if let Some(scene) = path.to_str().and_then(Scene::named) {
-        return Ok((scene, PathBuf::from(".")));
-    }
-    let folder = path.parent().unwrap_or(Path::new("."));
-    match Scene::load(path) {
-        Ok(scene) => Ok((scene, folder.to_owned())),
-        Err(error) if path.exists() => Err(CommandError::Failed(error.to_string())),
-        Err(error) => {
-            let names = Scene::NAMES.join(", ");
-            Err(CommandError::Failed(format!("{error}; or give the name of a ready-made scene: {names}")))
-        }
-    }
 }
 
 /// A solver from a file or from the argument itself.

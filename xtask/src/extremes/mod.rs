@@ -11,9 +11,9 @@ use rayon::prelude::*;
 use vivace_model::{Forces, State};
 use vivace_solver::{Budget, Relaxation, SolverError, System};
 
-use crate::figures::FigureError;
 use crate::figures::simulation::methods::{Method, with_position_based};
 use crate::figures::simulation::runs::size;
+use crate::figures::{Context, FigureError};
 use crate::report::{Figure, Table, Value};
 use cases::Case;
 
@@ -119,6 +119,19 @@ pub fn refuses_nan(case: &Case, method: &Method) -> Result<bool, SolverError> {
     state = good;
     let goes_on = system.step(&mut state, &forces, case.h, Budget::iterations(4)).is_ok();
     Ok(names_it && is_kept && goes_on)
+}
+
+/// The table of the report.
+///
+/// # Errors
+/// What models and solvers refuse.
+pub fn figure(context: &mut Context<'_>, command: &str) -> Result<Figure, FigureError> {
+    context.progress.figure("extremes", 1);
+    context.progress.step("all cases with all methods");
+    let is_reduced = context.sizes.is_reduced;
+    let figure = context.pool.install(|| make(command, is_reduced));
+    context.progress.done();
+    figure
 }
 
 /// Plays all cases with all methods, on the threads of the pool it is called in.

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use vivace_graph::ConstraintGraph;
 use vivace_mesh::irregularity::Irregularity;
-use vivace_mesh::sdf::{Blend, ClosedSurface, SignedDistance};
+use vivace_mesh::sdf::{Blend, Bounds, ClosedSurface, DILLO, HARE, SignedDistance};
 use vivace_mesh::stuffing::Stuffing;
 use vivace_mesh::{Mesh, MeshError, TetMesh, TriMesh, cloth, load};
 
@@ -65,6 +65,8 @@ struct Volume {
     origin: String,
     tets: Vec<Model>,
     shape: Option<(String, Shape)>,
+    /// The file that the shape was read from.
+    file: Option<PathBuf>,
 }
 
 enum Shape {
@@ -72,13 +74,21 @@ enum Shape {
     Surface(Box<ClosedSurface>),
 }
 
+impl Shape {
+    fn distance(&self) -> &dyn SignedDistance {
+        match self {
+            Self::Blend(blend) => blend,
+            Self::Surface(surface) => surface.as_ref(),
+        }
+    }
+}
+
 /// A mesh of the user's serves for a wanted size up to this factor away from its own.
 const NEAR: f64 = 1.3;
 
-const STAND_INS: [(Family, &str, &str, &str); 2] = [
-    (Family::Bunny, "hare", "hare.txt", include_str!("../../../assets/meshes/hare.txt")),
-    (Family::Armadillo, "dillo", "dillo.txt", include_str!("../../../assets/meshes/dillo.txt")),
-];
+/// Animals, and the text that each is made from.
+const STAND_INS: [(Family, &str, &str); 2] =
+    [(Family::Bunny, "hare", HARE), (Family::Armadillo, "dillo", DILLO)];
 
 impl Families {
     /// Generated shapes in the place of the scanned ones.
@@ -137,16 +147,22 @@ impl Families {
         )
     }
 
-    /// Tetrahedra of about `n_vertices` that fill the armadillo or its stand-in, and where they come from.
-    ///
-    /// # Errors
-    /// What the generators refuse.
-    pub fn armadillo_mesh(&self, n_vertices: usize) -> Result<(TetMesh, String), FigureError> {
-        match &self.armadillo.shape {
-            Some(shape) => Ok((stuffed(shape, n_vertices, self.seed)?, self.armadillo.origin.clone())),
-            // Only volume meshes whose boundary does not close.
-            None => Self::stand_ins(self.seed)?.armadillo_mesh(n_vertices),
-        }
+    /// The file of the user's Armadillo that scenes can be filled from, and its bounds \[m\].
+    pub fn own_armadillo(&self) -> Option<(&Path, Bounds)> {
+        let (_, shape) = self.armadillo.shape.as_ref()?;
+        Some((self.armadillo.file.as_deref()?, shape.distance().bounds()))
+    }
+
+    /// Where the Armadillo of scenes comes from, for captions.
+    pub fn armadillo_origin(&self) -> String {
+        // The user may have volume meshes alone whose boundary does not close.
+        let is_filled = self.armadillo.shape.is_some();
+        if is_filled { self.armadillo.origin.clone() } else { stand_in_origin(Family::Armadillo) }
+    }
+
+    /// Seed of the meshes.
+    pub fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// A mesh of each family of about `n_vertices`; made at the same time on the threads of the pool it is called in.
@@ -197,13 +213,9 @@ impl Volume {
 
 /// The shape, filled with about `n_vertices`.
 fn stuffed((_, shape): &(String, Shape), n_vertices: usize, seed: u64) -> Result<TetMesh, MeshError> {
-    let shape: &dyn SignedDistance = match shape {
-        Shape::Blend(blend) => blend,
-        Shape::Surface(surface) => surface.as_ref(),
-    };
     let stuffing = Stuffing::with_about_vertices(n_vertices);
     let irregularity = Irregularity { seed, ..Irregularity::default() };
-    Ok(stuffing.with_irregularity(irregularity).fill(shape)?.0)
+    Ok(stuffing.with_irregularity(irregularity).fill(shape.distance())?.0)
 }
 
 impl Model {
@@ -218,19 +230,23 @@ impl Model {
 }
 
 fn stand_in(family: Family) -> Result<Volume, FigureError> {
-    let (_, animal, file, text) = STAND_INS[usize::from(family == Family::Armadillo)];
-    let (name, scanned) = match family {
-        Family::Armadillo => (format!("Armadillo stand-in ({animal})"), "the Armadillo"),
-        _ => (format!("Bunny stand-in ({animal})"), "the Stanford Bunny"),
-    };
+    let (_, animal, text) = STAND_INS[usize::from(family == Family::Armadillo)];
+    let word = if family == Family::Armadillo { "Armadillo" } else { "Bunny" };
     Ok(Volume {
-        name,
-        origin: format!(
-            "STAND-IN for {scanned}: a generated {animal} (assets/meshes/{file}) by isosurface stuffing with random flips; give --meshes to use your own."
-        ),
+        name: format!("{word} stand-in ({animal})"),
+        origin: stand_in_origin(family),
         tets: Vec::new(),
-        shape: Some((file.to_owned(), Shape::Blend(text.parse()?))),
+        shape: Some((format!("{animal}.txt"), Shape::Blend(text.parse()?))),
+        file: None,
     })
+}
+
+fn stand_in_origin(family: Family) -> String {
+    let (_, animal, _) = STAND_INS[usize::from(family == Family::Armadillo)];
+    let scanned = if family == Family::Armadillo { "the Armadillo" } else { "the Stanford Bunny" };
+    format!(
+        "STAND-IN for {scanned}: a generated {animal} (crates/vivace-mesh/shapes/{animal}.txt) by isosurface stuffing with random flips; give --meshes to use your own."
+    )
 }
 
 /// Files that may be meshes, recursively.
@@ -265,7 +281,7 @@ fn from_files(
     notes: &mut Vec<String>,
 ) -> Result<Option<Volume>, FigureError> {
     let (mut tets, mut surfaces) = (Vec::new(), BTreeMap::new());
-    let mut boundary: Option<(usize, String, TriMesh)> = None;
+    let mut boundary: Option<(usize, String, TriMesh, PathBuf)> = None;
     for path in files.iter().filter(|path| file_name(path).to_lowercase().contains(family.id())) {
         let (name, started) = (file_name(path), Instant::now());
         let loaded = match load(path) {
@@ -282,25 +298,27 @@ fn from_files(
                 if boundary.as_ref().is_none_or(|(most, ..)| n_tets > *most)
                     && let Ok((surface, _)) = mesh.boundary_mesh()
                 {
-                    boundary = Some((n_tets, format!("boundary of {name}"), surface));
+                    boundary = Some((n_tets, format!("boundary of {name}"), surface, path.clone()));
                 }
                 tets.push(Model::of_tets(&mesh, name, started)?);
             }
             Mesh::Tri(mesh) => {
-                surfaces.insert((mesh.triangles().len(), name), mesh);
+                surfaces.insert((mesh.triangles().len(), name), (mesh, path.clone()));
             }
             _ => notes.push(format!("{name}: neither a surface nor a volume; passed over")),
         }
     }
     // The finest surface that closes; else what the largest volume mesh ends in.
-    let mut candidates: Vec<(String, TriMesh)> =
-        surfaces.into_iter().rev().map(|((_, name), mesh)| (name, mesh)).collect();
-    candidates.extend(boundary.map(|(_, name, mesh)| (name, mesh)));
-    let mut shape = None;
-    for (name, mesh) in candidates {
+    let mut candidates: Vec<(String, TriMesh, PathBuf)> =
+        surfaces.into_iter().rev().map(|((_, name), (mesh, path))| (name, mesh, path)).collect();
+    candidates.extend(boundary.map(|(_, name, mesh, path)| (name, mesh, path)));
+    let (mut shape, mut file) = (None, None);
+    for (name, mesh, path) in candidates {
         match ClosedSurface::new(&mesh) {
             Ok(surface) => {
                 shape = Some((name, Shape::Surface(Box::new(surface))));
+                // Scenes look for files in their own folder.
+                file = std::path::absolute(path).ok();
                 break;
             }
             Err(error) => notes.push(format!("{name}: cannot be filled with tetrahedra: {error}")),
@@ -327,7 +345,7 @@ fn from_files(
         "{word}: the user\u{2019}s files:{used}{filled}. (The scanned models: Stanford Computer Graphics Laboratory.)"
     );
     notes.push(origin.clone());
-    Ok(Some(Volume { name: name.to_owned(), origin, tets, shape }))
+    Ok(Some(Volume { name: name.to_owned(), origin, tets, shape, file }))
 }
 
 #[cfg(test)]

@@ -17,9 +17,12 @@ use vivace_coloring::Violation;
 use vivace_graph::GraphError;
 use vivace_mesh::MeshError;
 use vivace_model::ModelError;
+use vivace_scene::SceneError;
 use vivace_solver::SolverError;
 
+use crate::extremes;
 use crate::report::{Figure, Progress, Report, ReportError, RunInfo};
+use crate::tradeoff::{self, Effort};
 use families::Families;
 
 /// Why a figure could not be made.
@@ -38,6 +41,9 @@ pub enum FigureError {
     /// A model could not be made.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A scene could not be made.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// A step could not be made.
     #[error(transparent)]
     Solver(#[from] SolverError),
@@ -69,10 +75,10 @@ pub enum FigureError {
         folder: PathBuf,
     },
     /// There is no such figure.
-    #[error("there is no figure {wanted} here; there are 2 to 7")]
+    #[error("there is no figure {wanted} here; there are {}", names().join(", "))]
     NoFigure {
-        /// The number asked for.
-        wanted: u32,
+        /// The name asked for.
+        wanted: String,
     },
     /// Threads could not be started.
     #[error("cannot start {n_threads} threads: {reason}; give --threads a smaller number")]
@@ -101,8 +107,12 @@ pub struct Sizes {
     pub ablation_seeds: u32,
     /// Time for the colorings of one graph \[s\].
     pub seconds: f64,
-    /// Scenes of figures 4 to 7.
+    /// Scenes of figures 4 to 7 and of the trade.
     pub simulation: simulation::Sizes,
+    /// How much is measured for the trade.
+    pub trade: Effort,
+    /// Whether of the extremes one case of each kind is enough.
+    pub is_reduced: bool,
 }
 
 impl Sizes {
@@ -117,10 +127,12 @@ impl Sizes {
             ablation_seeds: 7,
             seconds: 5.0,
             simulation: simulation::Sizes::quick(),
+            trade: Effort::quick(),
+            is_reduced: true,
         }
     }
 
-    /// Half an hour or so.
+    /// An hour or so.
     pub fn normal() -> Self {
         Self {
             flag: "",
@@ -129,6 +141,8 @@ impl Sizes {
             ablation_seeds: 9,
             seconds: 10.0,
             simulation: simulation::Sizes::normal(),
+            trade: Effort::normal(),
+            is_reduced: false,
             ..Self::quick()
         }
     }
@@ -141,6 +155,7 @@ impl Sizes {
             ablation_seeds: 15,
             seconds: 40.0,
             simulation: simulation::Sizes::full(),
+            trade: Effort { stable_frames: 90, ..Effort::normal() },
             ..Self::normal()
         }
     }
@@ -151,8 +166,8 @@ impl Sizes {
 pub struct Options {
     /// Sizes and numbers of runs.
     pub sizes: Sizes,
-    /// Figures to make; none for all.
-    pub figures: Vec<u32>,
+    /// Names of the figures to make, `2` to `7`, `trade` and `extremes`; none for all.
+    pub figures: Vec<String>,
     /// A folder with the user's own meshes.
     pub meshes: Option<PathBuf>,
     /// The folder that the report goes into.
@@ -181,11 +196,28 @@ pub struct Context<'a> {
     pub machine: String,
 }
 
-const ALL: [u32; 6] = [2, 3, 4, 5, 6, 7];
+type Make = fn(&mut Context<'_>, &str) -> Result<Figure, FigureError>;
+
+/// All figures, in the order of the report, by the names that the command line knows.
+const ALL: [(&str, Make); 8] = [
+    ("2", fig2::make),
+    ("3", fig3::make),
+    ("4", simulation::fig4::make),
+    ("5", simulation::fig5::make),
+    ("6", simulation::fig6::make),
+    ("7", simulation::fig7::make),
+    ("trade", tradeoff::figure),
+    ("extremes", extremes::figure),
+];
+
+/// Names of all figures.
+pub fn names() -> [&'static str; ALL.len()] {
+    ALL.map(|(name, _)| name)
+}
 
 impl Options {
     /// The command of this run; for one figure alone where `figure` says so.
-    fn command(&self, figure: Option<u32>) -> String {
+    fn command(&self, figure: Option<&str>) -> String {
         let mut command = "cargo xtask reproduce-figures".to_owned();
         let mut push = |text: &str| {
             command.push(' ');
@@ -194,7 +226,7 @@ impl Options {
         if !self.sizes.flag.is_empty() {
             push(self.sizes.flag);
         }
-        let figures = figure.map_or_else(|| self.figures.clone(), |figure| vec![figure]);
+        let figures = figure.map_or_else(|| self.figures.clone(), |figure| vec![figure.to_owned()]);
         for figure in figures {
             push(&format!("--figure {figure}"));
         }
@@ -207,7 +239,7 @@ impl Options {
 }
 
 /// A path as a shell takes it.
-fn quoted(path: &Path) -> String {
+pub(crate) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@~\\".contains(c);
     if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
@@ -218,12 +250,10 @@ fn quoted(path: &Path) -> String {
 /// # Errors
 /// What cannot be read, made or written; figures already made stay in the report.
 pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, FigureError> {
-    let mut wanted = if options.figures.is_empty() { ALL.to_vec() } else { options.figures.clone() };
-    wanted.sort_unstable();
-    wanted.dedup();
-    if let Some(&wanted) = wanted.iter().find(|&figure| !ALL.contains(figure)) {
-        return Err(FigureError::NoFigure { wanted });
+    if let Some(wanted) = options.figures.iter().find(|name| !names().contains(&name.as_str())) {
+        return Err(FigureError::NoFigure { wanted: wanted.clone() });
     }
+    let is_wanted = |name: &str| options.figures.is_empty() || options.figures.iter().any(|w| w == name);
     let n_threads = options.n_threads;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build();
     let pool = pool.map_err(|error| FigureError::Threads { n_threads, reason: error.to_string() })?;
@@ -244,7 +274,7 @@ pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, 
     );
     let machine = format!("{}, {n_threads} threads", info.machine.cpu);
     let info = info
-        .paragraph("Figures 2 to 7 of \u{201c}Vivace: a practical Gauss-Seidel method for stable soft body dynamics\u{201d} (Fratarcangeli, Tibaldo, Pellacini, SIGGRAPH Asia 2016), from our own colorings and simulations. The paper prints no numbers with these figures: ours are new measurements, and each sentence of the paper that claims a result stands beside what was found.")
+        .paragraph("Figures 2 to 7 of \u{201c}Vivace: a practical Gauss-Seidel method for stable soft body dynamics\u{201d} (Fratarcangeli, Tibaldo, Pellacini, SIGGRAPH Asia 2016), from our own colorings and simulations; then error against time of every solver, and what each survives. The paper prints no numbers with these figures: ours are new measurements, and each sentence of the paper that claims a result stands beside what was found.")
         .paragraph("Times are of this machine\u{2019}s CPU. The paper\u{2019}s are of a GPU, where all vertices act at once: for that, look at rounds and visits, which are the same on every machine.")
         .option("Threads that color", n_threads)
         .option("Sizes", if options.sizes.flag.is_empty() { "default" } else { options.sizes.flag });
@@ -257,17 +287,8 @@ pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, 
         progress,
         machine,
     };
-    for number in wanted {
-        let command = options.command(Some(number));
-        let figure: Figure = match number {
-            2 => fig2::make(&mut context, &command)?,
-            3 => fig3::make(&mut context, &command)?,
-            4 => simulation::fig4::make(&mut context, &command)?,
-            5 => simulation::fig5::make(&mut context, &command)?,
-            6 => simulation::fig6::make(&mut context, &command)?,
-            _ => simulation::fig7::make(&mut context, &command)?,
-        };
-        report.add(figure)?;
+    for (name, make) in ALL.into_iter().filter(|(name, _)| is_wanted(name)) {
+        report.add(make(&mut context, &options.command(Some(name)))?)?;
     }
     Ok(report.finish()?)
 }

@@ -13,6 +13,9 @@ pub struct Setting {
     pub solver: Solver,
 }
 
+/// Numbers of small steps that are compared.
+pub const SUBSTEPS: [u32; 3] = [4, 16, 64];
+
 impl Setting {
     /// The expression that makes the solver.
     pub fn rust(&self) -> String {
@@ -37,8 +40,12 @@ impl Setting {
             }
             other => format!("{other:?}"),
         };
+        let substeps = match self.solver.substeps {
+            1 => String::new(),
+            n => format!(" substeps: {n},"),
+        };
         format!(
-            "Solver {{ framework: {framework}, relaxation: Relaxation::{relaxation}, ..Solver::default() }}"
+            "Solver {{ framework: {framework}, relaxation: Relaxation::{relaxation},{substeps} ..Solver::default() }}"
         )
     }
 }
@@ -77,7 +84,28 @@ pub fn settings() -> Vec<Setting> {
             all.push(setting);
         }
     }
+    all.extend(SUBSTEPS.into_iter().flat_map(small_steps));
     all
+}
+
+/// A frame in `substeps` small ones: a few plain iterations each, which nothing has the time to accelerate.
+fn small_steps(substeps: u32) -> Vec<Setting> {
+    let plain = Relaxation::GaussSeidel { omega: 1.0, base: Base::Latest };
+    let pd = |local, vertex| Framework::ProjectiveDynamics { local, vertex };
+    let fused = pd(LocalStep::Fused, VertexSolve::Diagonal);
+    let kinds = [
+        ("PD, Gauss-Seidel", fused, plain),
+        ("PD split, Gauss-Seidel", pd(LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal), plain),
+        ("PD blocks, Gauss-Seidel", pd(LocalStep::Fused, VertexSolve::Block), plain),
+        ("XPBD, Gauss-Seidel", Framework::PositionBased, plain),
+        ("Direct", fused, Relaxation::Direct),
+    ];
+    let setting = |(kind, framework, relaxation)| {
+        let name = format!("{substeps} small steps, {kind}");
+        let solver = Solver { framework, relaxation, substeps, ..Solver::default() };
+        Setting { family: name.clone(), name, solver }
+    };
+    kinds.into_iter().map(setting).collect()
 }
 
 fn relaxations() -> Vec<(&'static str, Relaxation, String)> {

@@ -48,6 +48,32 @@ fn simulate_writes_meshes_measures_and_pictures() {
 const CSV_COLUMNS: &str = "frame,time_s,iterations,colors,objective,last_move_m,backoffs,solve_ms,total_ms,mean_strain,max_strain,stop";
 
 #[test]
+fn the_trade_of_any_scene_is_measured_and_a_bad_one_refused_by_line() {
+    let json = r#"{"bodies": [{"shape": {"Ball": {"n": 1, "radius": 0.5}}, "material": {"Volume": {}}}]}"#;
+    let bad = SCENE_RON.replace("spacing: 0.1", "spacing: wide");
+    let held = SCENE_RON.replace("Nearest((0, 0, 0))", "Box(min: (0, 9, 0), max: (1, 9, 1))");
+    let files = [("napkin.ron", SCENE_RON), ("ball.json", json), ("bad.ron", &bad), ("held.ron", &held)];
+    let bench = Bench::new(&files);
+    let said = bench.run(&["tradeoff", "napkin.ron", "--quick", "--warm-frames", "1", "--out", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let html = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
+    for words in ["tradeoff napkin.ron --quick", "What to take for napkin", "..Solver::default() }"] {
+        assert!(html.contains(words), "{words}");
+    }
+    for (scene, words) in [
+        ("bad.ron", &["bad.ron, line 4", "float", "write there"][..]),
+        ("held.ron", &["held.ron: body 0 (Cloth): pins[0] selects no particle"]),
+        ("gone.ron", &["gone.ron", "curtain"]),
+    ] {
+        let said = bench.run(&["tradeoff", scene, "--out", "out"]);
+        assert_eq!(said.code, 1, "{}", said.err);
+        assert!(words.iter().all(|word| said.err.contains(word)), "{}", said.err);
+    }
+    let said = bench.run(&["tradeoff", "ball.json", "--vertices", "9", "--out", "out"]);
+    assert!(said.code == 2 && said.err.contains("--vertices is for"), "{}", said.err);
+}
+
+#[test]
 fn a_simulation_resumes_bit_for_bit() {
     let bench = Bench::new(&[("napkin.ron", SCENE_RON)]);
     let run = |out: &str, more: &[&str]| {

@@ -254,8 +254,7 @@ mod tests {
 
     #[test]
     fn ranges_hold_on_samples() {
-        let text = include_str!("../../../../assets/meshes/dillo.txt");
-        let blend: Blend = text.parse().unwrap();
+        let blend: Blend = crate::sdf::DILLO.parse().unwrap();
         let bounds = blend.bounds();
         for i in 0..20_u32 {
             let fraction =

@@ -16,6 +16,11 @@ pub use basic::{Cuboid, Sphere};
 pub use blend::Blend;
 pub use surface::ClosedSurface;
 
+/// The text of an armored animal, 1 m high, that stands in for the Stanford Armadillo: read it as a [`Blend`].
+pub const DILLO: &str = include_str!("../../shapes/dillo.txt");
+/// The text of a hare that stands in for the Stanford Bunny: read it as a [`Blend`].
+pub const HARE: &str = include_str!("../../shapes/hare.txt");
+
 /// A solid given by a function that is negative inside it.
 pub trait SignedDistance {
     /// The value at `point` \[m\]: negative inside, zero on the surface.

@@ -88,7 +88,7 @@ impl Minimizer {
                 iterations += 1;
                 continue;
             }
-            if iterations >= next_newton {
+            if iterations >= next_newton && self.objective.is_hessian_worth_it {
                 let was_newton = std::mem::replace(&mut is_newton, self.factor_hessian(&at.x)?);
                 if is_newton || was_newton {
                     pairs.clear();

@@ -22,6 +22,8 @@ pub(crate) struct Objective {
     pub(crate) pattern: Pattern,
     /// Whether [`Objective::hessian`] is the Hessian: of strains it is an upper bound.
     pub(crate) is_hessian_exact: bool,
+    /// Whether it is more than Y: where all constraints are strains it is the same.
+    pub(crate) is_hessian_worth_it: bool,
 }
 
 const PINNED: u32 = u32::MAX;
@@ -139,14 +141,22 @@ impl Objective {
             Box::new(KindTerm::new(tet_volume)),
         ];
         let is_hessian_exact = triangle_strain.is_empty() && tet_strain.is_empty() && tet_volume.is_empty();
+        let is_hessian_worth_it = is_hessian_exact || !springs.is_empty() || !bending.is_empty();
         let mut place = vec![PINNED; inertia.len()];
         let all = (0..).take(inertia.len());
         let free: Vec<u32> = all.filter(|&particle| !model.is_pinned(particle)).collect();
         for (number, &particle) in (0..).zip(&free) {
             place[particle as usize] = number;
         }
-        let mut objective =
-            Self { inertia, terms, free, place, pattern: Pattern::default(), is_hessian_exact };
+        let mut objective = Self {
+            inertia,
+            terms,
+            free,
+            place,
+            pattern: Pattern::default(),
+            is_hessian_exact,
+            is_hessian_worth_it,
+        };
         objective.pattern = objective.find_pattern();
         objective
     }

@@ -17,8 +17,9 @@ pub(crate) fn svd(f: DMat3) -> (DMat3, DVec3, DMat3) {
             }
             is_done = false;
             let zeta = (jj - ii) / (2.0 * ij);
-            let t = 1.0_f64.copysign(zeta) / (zeta.abs() + 1.0_f64.hypot(zeta));
-            let c = 1.0 / 1.0_f64.hypot(t);
+            // Where zeta² overflows, t is 0 as it ought to be.
+            let t = 1.0_f64.copysign(zeta) / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
+            let c = 1.0 / (1.0 + t * t).sqrt();
             for columns in [&mut a, &mut v] {
                 (columns[i], columns[j]) =
                     (c * (columns[i] - t * columns[j]), c * (t * columns[i] + columns[j]));

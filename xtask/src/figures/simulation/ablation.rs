@@ -40,7 +40,7 @@ impl Line7 {
             let relaxation = Relaxation::GaussSeidel { omega, base };
             let solver = Solver { relaxation, safeguard: false, ..Solver::default() };
             let method = Method { solver, sweeps: 1, ..methods()[0] };
-            runs::inside_of(scene, start, answer, &method, counts, 1)
+            runs::inside(scene, start, answer, &method, counts, 1)
         };
         let mut readings = Vec::new();
         for (base, omega, name) in READINGS {

@@ -25,6 +25,8 @@ mod stills;
 
 use vivace_solver::reference::Reference;
 
+use vivace_scene::SceneError;
+
 use super::{Context, FigureError};
 use crate::report::{Figure, Table, Value};
 use ablation::Line7;
@@ -48,19 +50,19 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Two minutes or so for all four figures.
+    /// Some minutes for all four figures.
     pub fn quick() -> Self {
-        Self { vertices: 600, n_frames: 24, every: 12, most_sweeps: 128, still: 300 }
+        Self { vertices: 1500, n_frames: 24, every: 6, most_sweeps: 128, still: 300 }
     }
 
     /// The paper's sizes.
     pub fn normal() -> Self {
-        Self { vertices: 10_000, n_frames: 60, every: 20, most_sweeps: 512, still: 420 }
+        Self { vertices: 10_000, n_frames: 60, every: 6, most_sweeps: 512, still: 420 }
     }
 
     /// The paper's sizes, longer and closer.
     pub fn full() -> Self {
-        Self { n_frames: 120, every: 12, most_sweeps: 2048, ..Self::normal() }
+        Self { n_frames: 120, every: 8, most_sweeps: 2048, ..Self::normal() }
     }
 }
 
@@ -93,7 +95,7 @@ impl Comparison {
     fn measure(
         context: &mut Context<'_>,
         subject: &Subject<'_>,
-        make: fn(&Context<'_>) -> Result<Scene, FigureError>,
+        make: fn(&Context<'_>) -> Result<Scene, SceneError>,
     ) -> Result<Self, FigureError> {
         let limits: Vec<Limit> =
             subject.times.iter().map(|&ms| Limit::Milliseconds(ms)).chain(WORK.map(Limit::Sweeps)).collect();
@@ -112,12 +114,12 @@ impl Comparison {
         }
         let pool = context.pool;
         let start = pool.install(|| runs::converged(&scene, WARM_FRAMES, CONVERGED))?;
-        let answer = Reference::new(&scene.model, scenes::H.into())?.solve(&start, &scene.forces)?;
+        let answer = Reference::new(&scene.model, scene.h.into())?.solve(&start, &scene.forces)?;
         let counts: Vec<u32> = (0..32).map(|k| 1 << k).take_while(|&n| n <= sizes.most_sweeps).collect();
         let mut frame = Vec::new();
         for method in all {
             context.progress.step(&format!("inside one frame: {}", method.name));
-            let inside = || runs::inside_of(&scene, &start, &answer, &method, &counts, 2);
+            let inside = || runs::inside(&scene, &start, &answer, &method, &counts, 2);
             frame.push((method, pool.install(inside)?));
         }
         context.progress.step("readings of line 7");
@@ -131,8 +133,7 @@ impl Comparison {
             },
             ..methods::methods()[2]
         };
-        let ordered =
-            pool.install(|| runs::inside_of(&scene, &start, &answer, &lexicographic, &counts, 1))?;
+        let ordered = pool.install(|| runs::inside(&scene, &start, &answer, &lexicographic, &counts, 1))?;
         context.progress.step("charts and tables");
         Ok(Self { scene, times: subject.times.to_vec(), runs, frame, line7, ordered })
     }

@@ -4,10 +4,10 @@ use glam::Vec3;
 use rayon::prelude::*;
 use vivace_model::State;
 use vivace_solver::reference::{Answer, Reference};
-use vivace_solver::{Budget, SolverError, System};
+use vivace_solver::{Budget, Ease, SolverError, StepReport, System};
 
 use super::methods::{self, Method};
-use super::scenes::{H, Scene};
+use super::scenes::Scene;
 
 /// What a frame may cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,8 +60,8 @@ pub struct Run {
     pub limit: Limit,
     /// The measured frames.
     pub frames: Vec<Frame>,
-    /// The frame that blew up: numbers ran out, or a particle was farther from its start than [`FAR`] times the scene and twice a
-    /// free fall together.
+    /// The frame that blew up: numbers ran out, or a particle was farther from its start than [`FAR`] times the scene, twice a
+    /// free fall and twice what the fastest or the wind covers, together.
     pub blown_up: Option<u32>,
     /// The states after the frames that were kept.
     pub kept: Vec<(u32, State)>,
@@ -69,7 +69,7 @@ pub struct Run {
     pub mean_ms: f64,
 }
 
-/// Farther from its start than so many sizes of the scene and twice a free fall no particle ought to be.
+/// Farther from its start than so many sizes of the scene, beside what it falls or flies, no particle ought to be.
 pub const FAR: f32 = 3.0;
 /// A measured error above this is unstable: twice as bad as no solver at all.
 pub const BAD: f64 = 2.0;
@@ -115,11 +115,13 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
     let mut system = System::new(scene.model.clone(), method.solver)?;
     let budget = limit.budget(method);
     // The first step prepares what later ones use.
-    let warm = system.step(&mut scene.state.clone(), &scene.forces, H, Budget::iterations(1));
+    let warm = system.step(&mut scene.state.clone(), &scene.forces, scene.h, Budget::iterations(1));
     warm.map(drop).or_else(forgive)?;
     system.set_solver(method.solver)?;
-    let _ = system.step(&mut scene.state.clone(), &scene.forces, H, Budget::iterations(0));
+    let _ = system.step(&mut scene.state.clone(), &scene.forces, scene.h, Budget::iterations(0));
     let size = size(&scene.state.positions);
+    let wind = scene.forces.wind.map_or(0.0, |wind| wind.velocity.length());
+    let fastest = scene.state.velocities.iter().map(|v| v.length()).fold(wind, f32::max);
     let mut state = scene.state.clone();
     let mut run =
         Run { method: *method, limit, frames: Vec::new(), blown_up: None, kept: Vec::new(), mean_ms: 0.0 };
@@ -127,7 +129,7 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
     for frame in 1..=plan.n_frames {
         let is_measured = frame.is_multiple_of(plan.every) || plan.keep.contains(&frame);
         let before = is_measured.then(|| state.clone());
-        let report = match system.step(&mut state, &scene.forces, H, budget) {
+        let report = match system.step(&mut state, &scene.forces, scene.h, budget) {
             Ok(report) => report,
             Err(error) => {
                 forgive(error)?;
@@ -135,7 +137,7 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
                 break;
             }
         };
-        let ms = 1e3 * (report.times.predict + report.times.solve + report.times.finish);
+        let ms = milliseconds(&report);
         run.mean_ms += ms / f64::from(plan.n_frames);
         if let Some(before) = before {
             let colors = if methods::is_colored(method) { report.colors } else { 0 };
@@ -146,8 +148,8 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
         if plan.keep.contains(&frame) {
             run.kept.push((frame, state.clone()));
         }
-        let t = frame as f32 * H;
-        if reach(scene, &state) > FAR * size + scene.forces.gravity.length() * t * t {
+        let t = frame as f32 * scene.h;
+        if reach(scene, &state) > FAR * size + 2.0 * fastest * t + scene.forces.gravity.length() * t * t {
             run.blown_up = Some(frame);
             break;
         }
@@ -155,7 +157,7 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
     let errors: Vec<Result<f64, SolverError>> = looked_at
         .par_iter()
         .map_init(
-            || Reference::new(&scene.model, H.into()),
+            || Reference::new(&scene.model, scene.h.into()),
             |reference, (before, after)| match reference {
                 Ok(reference) => Ok(reference.solve(before, &scene.forces)?.error(after)),
                 Err(error) => Err(SolverError::Factor { reason: error.to_string() }),
@@ -213,31 +215,16 @@ pub fn converged(scene: &Scene, n_frames: u32, iterations: u32) -> Result<State,
     let Some(direct) = methods::named(methods::DIRECT) else { return Ok(state) };
     let mut system = System::new(scene.model.clone(), direct.solver)?;
     for _ in 0..n_frames {
-        system.step(&mut state, &scene.forces, H, Budget::iterations(iterations))?;
+        system.step(&mut state, &scene.forces, scene.h, Budget::iterations(iterations))?;
     }
     Ok(state)
 }
 
-/// Convergence inside one frame that begins at `start`.
+/// Convergence inside the frame that begins at `start` and ought to end at `answer`.
 ///
 /// # Errors
 /// What the solver refuses.
 pub fn inside(
-    scene: &Scene,
-    start: &State,
-    method: &Method,
-    sweeps: &[u32],
-    repeats: u32,
-) -> Result<Vec<Inside>, SolverError> {
-    let answer = Reference::new(&scene.model, H.into())?.solve(start, &scene.forces)?;
-    inside_of(scene, start, &answer, method, sweeps, repeats)
-}
-
-/// As [`inside`], with the answer known.
-///
-/// # Errors
-/// What the solver refuses.
-pub fn inside_of(
     scene: &Scene,
     start: &State,
     answer: &Answer,
@@ -246,33 +233,46 @@ pub fn inside_of(
     repeats: u32,
 ) -> Result<Vec<Inside>, SolverError> {
     let mut system = System::new(scene.model.clone(), method.solver)?;
-    system.step(&mut start.clone(), &scene.forces, H, Budget::iterations(0))?;
     let mut points = Vec::new();
     for &n in sweeps {
         let iterations = (n / method.sweeps).max(1);
-        let mut point =
-            Inside { iterations, sweeps: iterations * method.sweeps, ms: f64::INFINITY, error: f64::NAN };
-        for _ in 0..repeats.max(1) {
-            let mut state = start.clone();
-            // The safeguard forgets what it learned.
-            if method.solver.safeguard && !is_direct(method) {
-                system.set_solver(method.solver)?;
-                system.step(&mut start.clone(), &scene.forces, H, Budget::iterations(0))?;
-            }
-            match system.step(&mut state, &scene.forces, H, Budget::iterations(iterations)) {
-                Ok(report) => {
-                    let ms = 1e3 * (report.times.predict + report.times.solve + report.times.finish);
-                    point.ms = point.ms.min(ms);
-                    point.error = answer.error(&state.positions);
-                }
-                Err(error) => forgive(error)?,
-            }
-        }
-        points.push(point);
+        let end = frame(&mut system, scene, start, iterations, repeats)?;
+        let (ms, error) =
+            end.map_or((f64::INFINITY, f64::NAN), |(ms, end)| (ms, answer.error(&end.positions)));
+        points.push(Inside { iterations, sweeps: iterations * method.sweeps, ms, error });
     }
     Ok(points)
 }
 
-fn is_direct(method: &Method) -> bool {
-    method.solver.relaxation == vivace_solver::Relaxation::Direct
+/// One frame of so many iterations that begins at `start`: its time \[ms\], the least of the repeats, and where it ends; nothing
+/// if it diverged.
+///
+/// # Errors
+/// What the solver refuses.
+pub fn frame(
+    system: &mut System,
+    scene: &Scene,
+    start: &State,
+    iterations: u32,
+    repeats: u32,
+) -> Result<Option<(f64, State)>, SolverError> {
+    let mut best: Option<(f64, State)> = None;
+    for _ in 0..repeats.max(1) {
+        let mut state = start.clone();
+        // The safeguard forgets what it learned.
+        system.set_ease(Ease::default());
+        match system.step(&mut state, &scene.forces, scene.h, Budget::iterations(iterations)) {
+            Ok(report) => {
+                let least = best.map_or(f64::INFINITY, |(ms, _)| ms);
+                best = Some((least.min(milliseconds(&report)), state));
+            }
+            Err(error) => forgive(error)?,
+        }
+    }
+    Ok(best)
+}
+
+/// Time of a step without what is prepared once.
+fn milliseconds(report: &StepReport) -> f64 {
+    1e3 * (report.times.predict + report.times.solve + report.times.finish)
 }

@@ -1,90 +1,108 @@
-//! The scenes of figures 4 to 7.
+//! The scenes of figures 4 to 7: the ready-made ones of `vivace-scene`.
+
+use std::path::Path;
 
 use glam::Vec3;
-use vivace_mesh::cloth;
-use vivace_model::{Forces, Model, ModelBuilder, State};
+use vivace_model::{Forces, Model, State};
+use vivace_scene::{SceneError, Select, Shape, Source};
 
-use crate::figures::FigureError;
 use crate::figures::families::Families;
+use crate::report::Value;
 
-/// A model where it begins, and what acts on it.
+/// A scene, built.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// Short name.
-    pub id: &'static str,
+    /// Its name.
+    pub name: String,
     /// The model.
     pub model: Model,
     /// Where it begins.
     pub state: State,
     /// What acts on it.
     pub forces: Forces,
+    /// Time step \[s\].
+    pub h: f32,
     /// What it is, for captions.
     pub caption: String,
 }
 
-/// Time step of all of the paper's comparisons \[s\].
-pub const H: f32 = 1.0 / 30.0;
+impl Scene {
+    /// Builds a scene; files are looked for in `folder`.
+    ///
+    /// # Errors
+    /// What the scene refuses.
+    pub fn build(scene: &vivace_scene::Scene, folder: &Path) -> Result<Self, SceneError> {
+        let (model, state) = scene.build(folder)?;
+        let name = if scene.name.is_empty() { "scene" } else { &scene.name };
+        let caption = format!(
+            "{name}: {}; h = {} ms.",
+            contents(scene, &model),
+            Value::Real(1e3 * f64::from(scene.time_step)).shown()
+        );
+        Ok(Self { name: name.to_owned(), model, state, forces: scene.forces, h: scene.time_step, caption })
+    }
 
-/// Figure 4: a cloth of about `n_vertices`, a square meter, held at two corners.
+    fn with_note(mut self, note: &str) -> Self {
+        self.caption =
+            format!("{} {note} The paper gives neither stiffness nor mass; these are ours.", self.caption);
+        self
+    }
+}
+
+/// What a scene holds, and of what its bodies are.
+fn contents(scene: &vivace_scene::Scene, model: &Model) -> String {
+    let c = model.constraints();
+    let n_held = (0..).take(model.n_particles()).filter(|&particle| model.is_pinned(particle)).count();
+    let counts = [
+        (c.springs.len(), "springs"),
+        (c.bending.len(), "hinges"),
+        (c.triangle_strain.len(), "triangles with a strain limit"),
+        (c.tet_strain.len(), "tetrahedra that keep their shape"),
+        (c.tet_volume.len(), "that keep their volume"),
+        (c.attachments.len(), "attachments"),
+        (n_held, "vertices held"),
+    ];
+    let mut parts = vec![format!("{} vertices", model.n_particles())];
+    parts.extend(counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
+    let mut materials: Vec<String> = scene.bodies.iter().map(|body| body.material.to_string()).collect();
+    materials.dedup();
+    format!("{} ({})", parts.join(", "), materials.join("; "))
+}
+
+/// Figures 4 and 6: a cloth of about `n_vertices`, a square meter, held at two corners.
 ///
 /// # Errors
 /// A size without a mesh.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rounded square root")]
-pub fn tablecloth(n_vertices: usize) -> Result<Scene, FigureError> {
+pub fn tablecloth(n_vertices: usize) -> Result<Scene, SceneError> {
     let width = ((n_vertices as f64).sqrt().round() as usize).max(3);
-    let mesh = cloth::regular(width, width, 0.99 / (width as f32 - 1.0))?;
-    let mut builder = ModelBuilder::new();
-    builder.cloth(&mesh, 0.2)?;
-    let (edges, hinges) = (mesh.edges(), mesh.hinges());
-    builder.springs(0, &edges, 100.0)?;
-    builder.hinges(0, &hinges, 1e-5, false)?;
-    builder.pin(0)?;
-    builder.pin(u32::try_from(width - 1).unwrap_or(u32::MAX))?;
-    let (model, state) = builder.build()?;
-    let caption = format!(
-        "Tablecloth: {} vertices, {} triangles, {} springs (100 N/m), {} hinges (10\u{207b}\u{2075} J); 0.2 kg/m\u{b2}; it begins flat and level and is held at two corners. The paper gives neither stiffness nor mass; these are ours.",
-        model.n_particles(),
-        mesh.triangles().len(),
-        edges.len(),
-        hinges.len()
-    );
-    Ok(Scene { id: "tablecloth", model, state, forces: Forces::default(), caption })
+    let scene = Scene::build(&vivace_scene::tablecloth(width), Path::new("."))?;
+    Ok(scene.with_note("It begins flat and level, held at two corners."))
 }
 
-/// Figure 5: the armadillo or its stand-in of about `n_vertices`, its feet held, pushed over.
+/// Figures 5 and 7: the armadillo or its stand-in of about `n_vertices`, hanging by one hand.
 ///
 /// # Errors
-/// What the generators refuse.
-pub fn armadillo(families: &Families, n_vertices: usize) -> Result<Scene, FigureError> {
-    let (mesh, origin) = families.armadillo_mesh(n_vertices)?;
-    let height = |p: &Vec3| p.y;
-    let (low, high) = ends(mesh.positions().iter().map(height));
-    let size = (high - low).max(f32::MIN_POSITIVE);
-    let mut builder = ModelBuilder::new();
-    builder.volume(&mesh, 1000.0)?;
-    builder.tet_strain(0, mesh.tets(), 1e5)?;
-    builder.tet_volume(0, mesh.tets(), 1e5, [0.95, 1.05])?;
-    for (particle, p) in (0..).zip(mesh.positions()) {
-        if p.y < low + 0.06 * size {
-            builder.pin(particle)?;
+/// What the generators refuse; a mesh of the user's that cannot be filled.
+pub fn armadillo(families: &Families, n_vertices: usize) -> Result<Scene, SceneError> {
+    let mut scene = vivace_scene::armadillo(n_vertices);
+    for body in &mut scene.bodies {
+        if let Shape::Sdf { irregular, .. } = &mut body.shape {
+            *irregular = Some(families.seed());
         }
+        let Some((path, bounds)) = families.own_armadillo() else { continue };
+        body.shape = Shape::Sdf {
+            source: Source::Path(path.to_owned()),
+            vertices: n_vertices,
+            irregular: Some(families.seed()),
+        };
+        // Scanned models come in any unit: a meter high. A raised hand is what reaches farthest to the side.
+        let (min, max) = (bounds.min.as_vec3(), bounds.max.as_vec3());
+        body.scale = 1.0 / (max.y - min.y);
+        let wrist = max.x - 0.06 * (max.x - min.x);
+        body.pins = vec![Select::Box { min: Vec3::new(wrist, min.y, min.z), max }];
     }
-    let (model, mut state) = builder.build()?;
-    for (particle, velocity) in (0..).zip(&mut state.velocities) {
-        if !model.is_pinned(particle) {
-            let share = (state.positions[particle as usize].y - low) / size;
-            *velocity = Vec3::new(0.0, 0.0, 2.0 * size * share);
-        }
-    }
-    let caption = format!(
-        "Armadillo: {} vertices, {} tetrahedra, each keeping its shape (10\u{2075} Pa) and its volume to 5% (10\u{2075} Pa); 1000 kg/m\u{b3}, height {size:.2} m; its feet are held, and it begins at rest shape, pushed over at 2 heights a second. {origin} The paper gives neither stiffness nor mass; these are ours.",
-        model.n_particles(),
-        mesh.tets().len(),
-    );
-    Ok(Scene { id: "armadillo", model, state, forces: Forces::default(), caption })
-}
-
-/// The least and the greatest.
-pub fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
-    values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    let scene = Scene::build(&scene, Path::new("."))?;
+    let origin = families.armadillo_origin();
+    Ok(scene.with_note(&format!("It begins at rest shape and swings from one hand. {origin}")))
 }

@@ -71,8 +71,7 @@ pub(super) fn make(
     context.progress.step("pictures");
     let mut figure = Figure::new(subject.id, subject.title, command, "");
     let converged = rows.last();
-    let seen = converged.into_iter().flat_map(|row| &row.run.kept).flat_map(|(_, state)| &state.positions);
-    let camera = Camera::framing(seen.chain(&scene.state.positions), subject.direction);
+    let camera = camera(scene, subject, &rows);
     for limit in limits {
         let title = format!("Stills at {}", limit.name());
         let columns: Vec<String> = plan.keep.iter().map(|frame| format!("Frame {frame}")).collect();
@@ -88,7 +87,7 @@ pub(super) fn make(
                 .row((row.name, &second), cells(scene, subject, &edges, &camera, &plan, row, sizes.still)?);
         }
         let note = format!(
-            "Color: greatest strain of the edges at a vertex, from 0 (violet) to {:.0}% and more (yellow).",
+            "Color: greatest strain of the edges at a vertex, from 0 (blue) to {:.0}% and more (yellow). What leaves the picture has stretched that far.",
             100.0 * subject.most_strain
         );
         figure = figure.grid(grid.note(&note));
@@ -103,6 +102,20 @@ pub(super) fn make(
 /// How many steps of progress `make` takes.
 pub(super) fn n_steps(subject: &Subject<'_>) -> u64 {
     2 * subject.methods.len() as u64 + 2
+}
+
+/// Sees the converged row, and of the others what is no farther out than a fifth of its size.
+fn camera(scene: &Scene, subject: &Subject<'_>, rows: &[Row]) -> Camera {
+    let positions = |row: &'_ Row| -> Vec<Vec3> {
+        row.run.kept.iter().flat_map(|(_, state)| state.positions.iter().copied()).collect()
+    };
+    let mut seen = scene.state.positions.clone();
+    seen.extend(rows.last().map(positions).unwrap_or_default());
+    let low = seen.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = seen.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    let room = 0.2 * (high - low);
+    seen.extend(rows.iter().flat_map(positions).map(|p| p.clamp(low - room, high + room)));
+    Camera::framing(seen, subject.direction)
 }
 
 fn cells(
@@ -127,7 +140,12 @@ fn cells(
         let mesh = Mesh3 {
             positions: &state.positions,
             triangles: scene.model.surface(),
-            colors: Paint::Scalar { values: &strains, low: 0.0, high: subject.most_strain },
+            // The dark end of the colors would hide the light.
+            colors: Paint::Scalar {
+                values: &strains,
+                low: -0.3 * subject.most_strain,
+                high: subject.most_strain,
+            },
         };
         let image = Picture::render(&[mesh], camera, width, width);
         let measured = row.run.frames.iter().find(|f| f.frame == *frame);
