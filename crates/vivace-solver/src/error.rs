@@ -54,3 +54,20 @@ pub enum SolverError {
         particle: usize,
     },
 }
+
+/// A count that has to fit 32 bits.
+pub(crate) fn narrow(what: &'static str, count: usize) -> Result<u32, GraphError> {
+    u32::try_from(count).map_err(|_| GraphError::TooLarge { what, count, limit: u32::MAX as usize })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_count_beyond_32_bits_says_of_what() {
+        assert_eq!(narrow("neighbors", 7), Ok(7));
+        let error = narrow("neighbors", 1 << 32).unwrap_err().to_string();
+        assert!(error.starts_with("4294967296 neighbors"), "{error}");
+    }
+}

@@ -2,7 +2,7 @@
 
 use vivace_model::{Model, ModelBuilder};
 use vivace_solver::pd::ProjectiveDynamics;
-use vivace_solver::{Framework, Solver, System};
+use vivace_solver::{Framework, LocalStep, Relaxation, Solver, System, VertexSolve};
 use vivace_tests::scenes::{cloth, free_cloth, gauss_seidel, plain};
 
 fn system(model: &Model, framework: Framework) -> System {
@@ -10,7 +10,9 @@ fn system(model: &Model, framework: Framework) -> System {
 }
 
 fn n_entries(model: &Model) -> usize {
-    ProjectiveDynamics::new(model, &Solver::default()).unwrap().n_entries()
+    ProjectiveDynamics::new(model, LocalStep::Fused, VertexSolve::Diagonal, Relaxation::default())
+        .unwrap()
+        .n_entries()
 }
 
 #[test]
