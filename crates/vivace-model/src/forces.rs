@@ -107,3 +107,89 @@ impl Wind {
         (DMat3::IDENTITY * skin + across * (1.0 - skin)) * (f64::from(self.drag) * twice_area.length() / 6.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vivace_mesh::cloth;
+
+    use super::*;
+    use crate::ModelBuilder;
+
+    /// A sheet in the xz plane.
+    fn sheet(density: f32) -> (Model, Vec<DVec3>) {
+        let mesh = cloth::alternating(5, 4, 0.1).unwrap();
+        let mut builder = ModelBuilder::new();
+        builder.cloth(&mesh, density).unwrap();
+        let (model, state) = builder.build().unwrap();
+        (model, state.positions.iter().map(|q| q.as_dvec3()).collect())
+    }
+
+    /// Velocities after gravity and wind alone.
+    fn blown(forces: &Forces, model: &Model, h: f64, q: &[DVec3], v: &[DVec3]) -> Vec<DVec3> {
+        let mut after: Vec<DVec3> = v.iter().map(|v| *v + h * forces.gravity.as_dvec3()).collect();
+        forces.add_wind(model, h, q, v, &mut Vec::new(), |i, a| after[i] += h * a);
+        after
+    }
+
+    /// Gusts that differ from particle to particle.
+    fn gust(i: usize) -> DVec3 {
+        let i = i as f64;
+        10.0 * DVec3::new((7.0 * i).sin(), (11.0 * i).sin(), (13.0 * i).sin())
+    }
+
+    #[test]
+    fn relative_velocity_never_grows_nor_turns() {
+        let wind = Wind { velocity: Vec3::new(1.0, 2.0, 3.0), drag: 8.0 };
+        let still = Forces { gravity: Vec3::ZERO, wind: Some(wind), ..Forces::default() };
+        for density in [1e-6, 0.05, 1e3] {
+            let (model, q) = sheet(density);
+            let normal = (q[1] - q[0]).cross(q[6] - q[0]).normalize();
+            for h in [1e-4, 1.0 / 30.0, 1000.0] {
+                let v: Vec<DVec3> = (0..q.len()).map(gust).collect();
+                for (before, after) in v.iter().zip(blown(&still, &model, h, &q, &v)) {
+                    let relative = |v: DVec3| v - wind.velocity.as_dvec3();
+                    let (before, after) = (relative(*before), relative(after));
+                    let c = h * f64::from(wind.drag) / f64::from(density);
+                    let (across, along) = (before.dot(normal) * normal, before.reject_from(normal));
+                    let expected = across / (1.0 + c) + along / (1.0 + c * f64::from(Wind::SKIN));
+                    assert!((after - expected).length() <= 1e-6 * before.length(), "{density} {h}");
+                    assert!(after.length() < before.length() && after.dot(before) > 0.0, "{density} {h}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sheet_falls_as_fast_as_drag_lets_it() {
+        let (model, q) = sheet(0.2);
+        let (density, drag) = (0.2_f64, 5.0_f64);
+        let wind = Wind { velocity: Vec3::ZERO, drag: 5.0 };
+        // Flat on the air, and edge on.
+        for (gravity, share) in [(-10.0 * Vec3::Y, 1.0), (-10.0 * Vec3::Z, f64::from(Wind::SKIN))] {
+            let forces = Forces { gravity, wind: Some(wind), ..Forces::default() };
+            let mut v = vec![DVec3::ZERO; q.len()];
+            for _ in 0..2000 {
+                v = blown(&forces, &model, 0.1, &q, &v);
+            }
+            let fastest = gravity.as_dvec3() * density / (drag * share);
+            assert!(v.iter().all(|v| (*v - fastest).length() < 1e-5 * fastest.length()), "{v:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_pinned_or_without_wind_is_left_alone() {
+        let mesh = cloth::regular(2, 2, 1.0).unwrap();
+        let mut builder = ModelBuilder::new();
+        builder.cloth(&mesh, 0.2).unwrap();
+        builder.pin(1).unwrap();
+        let (model, state) = builder.build().unwrap();
+        let mut forces = Forces::default();
+        let (mut drags, mut seen) = (Vec::new(), Vec::new());
+        let (q, v) = (&state.positions, &state.velocities);
+        forces.add_wind(&model, 0.1, q, v, &mut drags, |i, _| seen.push(i));
+        assert!(seen.is_empty() && drags.capacity() == 0);
+        forces.wind = Some(Wind { velocity: Vec3::ONE, drag: 1.0 });
+        forces.add_wind(&model, 0.1, q, v, &mut drags, |i, _| seen.push(i));
+        assert_eq!(seen, [0, 2, 3]);
+    }
+}
