@@ -91,7 +91,8 @@ impl ModelBuilder {
     }
 
     /// Hinges `[e0, e1, o0, o1]`, see [`TriMesh::hinges`], of `stiffness` \[J\]: at rest flat, or as they are now if `curved`.
-    /// A hinge between triangles without area is left out: it has no angle. Returns how many were left out.
+    /// A hinge between triangles without area is left out: it has no angle; so is one that `f32` cannot hold. Returns how many were
+    /// left out.
     ///
     /// # Errors
     /// Indices out of range or repeated, a stiffness that is not finite and positive.

@@ -30,9 +30,9 @@ pub enum ModelError {
         /// How many particles there are.
         n_particles: usize,
     },
-    /// An element names a particle twice, or is too flat to have a rest shape.
+    /// An element names a particle twice, or has no rest shape: it is flat, or so large or stiff that `f32` cannot hold it.
     #[error(
-        "{kind} {element} is degenerate (particles {particles:?}): it names one twice, or is flat; remove it, or repair the mesh"
+        "{kind} {element} is degenerate (particles {particles:?}): it names one twice, is flat, or is too large or stiff for f32; remove it, or repair the mesh"
     )]
     Degenerate {
         /// Kind of the element.

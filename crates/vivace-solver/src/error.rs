@@ -37,6 +37,16 @@ pub enum SolverError {
     /// The crate was built without the feature.
     #[error("the direct solver is not built in: enable the feature `direct`")]
     NoDirect,
+    /// An entry on the diagonal of Y that cannot be divided by.
+    #[error(
+        "mass / h² and the stiffness of all constraints at particle {particle} add up to {weight:e} N/m, beyond the range of f32: correct its mass or stiffness, or change the time step"
+    )]
+    Weight {
+        /// The particle.
+        particle: u32,
+        /// The entry \[N/m\].
+        weight: f32,
+    },
     /// Y could not be factored.
     #[error(
         "the matrix of the global step could not be factored ({reason}): masses or weights are too far apart"

@@ -269,3 +269,28 @@ fn share_of(budget: &Budget, k: u32, n: u32) -> Budget {
     let seconds = budget.seconds.map(|all| all * f64::from(k + 1) / f64::from(n));
     Budget { iterations, seconds, ..*budget }
 }
+
+#[cfg(test)]
+mod tests {
+    use vivace_model::ModelBuilder;
+
+    use super::*;
+
+    #[test]
+    fn what_is_too_heavy_or_stiff_for_numbers_is_not_pinned_in_silence() {
+        for (mass, stiffness) in [(1e37, 1.0), (1.0, 3e38), (1e-44, 1e-44)] {
+            let mut builder = ModelBuilder::new();
+            builder.particles(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[1.0, 1.0, mass]).unwrap();
+            builder.springs(0, &[[2, 0], [2, 1]], stiffness).unwrap();
+            builder.pin(0).unwrap();
+            builder.pin(1).unwrap();
+            let (model, mut state) = builder.build().unwrap();
+            let before = state.clone();
+            let mut system = System::new(model, Solver::default()).unwrap();
+            let h = if mass < 1.0 { 1.0 } else { 0.01 };
+            let error = system.step(&mut state, &Forces::default(), h, Budget::iterations(5)).unwrap_err();
+            assert!(matches!(error, SolverError::Weight { particle: 2, .. }), "{error}");
+            assert_eq!(state, before);
+        }
+    }
+}

@@ -147,7 +147,7 @@ impl ProjectiveDynamics {
     /// The parameters of a time step `h` \[s\]: inertia, diagonal, factor. Returns at once where they are the same.
     ///
     /// # Errors
-    /// Y cannot be factored, or the feature `direct` is missing.
+    /// A diagonal that `f32` cannot hold; Y cannot be factored, or the feature `direct` is missing.
     pub(crate) fn prepare(&mut self, h: f32) -> Result<(), SolverError> {
         if self.h == h {
             return Ok(());
@@ -163,8 +163,14 @@ impl ProjectiveDynamics {
             }
         }
         let diagonal = self.rows.diagonal.iter().zip(&self.anchor_weights).map(|(a, b)| a + b);
-        for (inverse, diagonal) in self.inverse_diagonal.iter_mut().zip(diagonal) {
+        for ((inverse, diagonal), &particle) in
+            self.inverse_diagonal.iter_mut().zip(diagonal).zip(&self.layout.order)
+        {
             *inverse = 1.0 / diagonal;
+            // Otherwise what is heavy or stiff beyond numbers would be pinned, and nobody would know.
+            if !inverse.is_normal() {
+                return Err(SolverError::Weight { particle, weight: diagonal });
+            }
         }
         if self.is_direct {
             #[cfg(feature = "direct")]

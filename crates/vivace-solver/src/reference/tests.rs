@@ -1,9 +1,10 @@
 use glam::{DVec3, Vec3};
 use vivace_mesh::{beam, cloth};
-use vivace_model::{Forces, Model, ModelBuilder, State};
+use vivace_model::{Forces, Model, ModelBuilder, State, Wind};
 
 use super::objective::Objective;
 use super::*;
+use crate::{Budget, Solver, System};
 
 const STEP: f64 = 1.0 / 30.0;
 
@@ -189,6 +190,20 @@ fn every_kind_converges() {
     for frame in 0..5 {
         let answer = reference.step(&mut state, &Forces::default()).unwrap();
         assert!(answer.gradient < 1e-9, "{frame}: {} {}", answer.gradient, answer.iterations);
+    }
+}
+
+#[test]
+fn the_prediction_is_that_of_the_solver_wind_and_all() {
+    let (model, mut state) = hung_cloth(4);
+    state.velocities.iter_mut().enumerate().for_each(|(i, v)| *v = Vec3::splat(0.1 * i as f32));
+    let wind = Some(Wind { velocity: Vec3::new(1.0, 5.0, 2.0), drag: 3.0 });
+    let forces = Forces { wind, ..Forces::default() };
+    let predicted = Reference::new(&model, STEP).unwrap().solve(&state, &forces).unwrap().predicted;
+    let mut system = System::new(model, Solver::default()).unwrap();
+    system.step(&mut state, &forces, 1.0 / 30.0, Budget::iterations(0)).unwrap();
+    for (exact, q) in predicted.iter().zip(&state.positions) {
+        assert!((exact.as_vec3() - *q).length() < 1e-6, "{exact} {q}");
     }
 }
 
