@@ -1,5 +1,7 @@
 //! Models from particles and elements.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use vivace_kernels::constraint::{Attachment, Bending, Spring, TetStrain, TetVolume, TriangleStrain};
 use vivace_mesh::{TetMesh, TriMesh};
@@ -8,11 +10,12 @@ use crate::{Constraints, Model, ModelError, State};
 
 /// Collects particles and constraints, then checks them once.
 ///
-/// Rest data are computed from the positions given here, once.
+/// Rest data are computed from the positions given here, once. What is refused leaves everything as it was.
 #[derive(Debug, Clone, Default)]
 pub struct ModelBuilder {
     positions: Vec<Vec3>,
     masses: Vec<f32>,
+    bodies: Vec<Range<u32>>,
     pinned: Vec<u32>,
     constraints: Constraints,
     surface: Vec<[u32; 3]>,
@@ -25,10 +28,10 @@ impl ModelBuilder {
         Self::default()
     }
 
-    /// Adds particles with positions \[m\] and masses \[kg\], and returns the number of the first.
+    /// Adds a body: particles with positions \[m\] and masses \[kg\]. Returns the number of the first.
     ///
     /// # Errors
-    /// Arrays of different lengths; positions that are not finite; too many particles.
+    /// Arrays of different lengths; positions that [`State::is_in_range`] refuses; too many particles.
     pub fn particles(&mut self, positions: &[Vec3], masses: &[f32]) -> Result<u32, ModelError> {
         if positions.len() != masses.len() {
             return Err(ModelError::Length {
@@ -37,15 +40,15 @@ impl ModelBuilder {
                 found: masses.len(),
             });
         }
-        if let Some(particle) = positions.iter().position(|p| !p.is_finite()) {
-            return Err(ModelError::NotFinite { what: "positions", particle, value: positions[particle] });
+        if let Some(idx) = positions.iter().position(|p| !State::is_in_range(*p)) {
+            let particle = self.positions.len() + idx;
+            return Err(ModelError::NotFinite { what: "positions", particle, value: positions[idx] });
         }
-        let n_particles = self.positions.len() + positions.len();
-        let too_many = |_| ModelError::TooMany { n_particles };
-        let first = u32::try_from(self.positions.len()).map_err(too_many)?;
-        u32::try_from(n_particles).map_err(too_many)?;
+        let body = self.next_body(positions.len())?;
+        let first = body.start;
         self.positions.extend_from_slice(positions);
         self.masses.extend_from_slice(masses);
+        self.bodies.push(body);
         Ok(first)
     }
 
@@ -53,10 +56,10 @@ impl ModelBuilder {
     /// constraints. Returns the number of the first particle.
     ///
     /// # Errors
-    /// As [`ModelBuilder::particles`]; a density that is not positive.
+    /// As [`ModelBuilder::particles`]; a density that is not positive, or gives a mass beyond the range of `f32`.
     pub fn cloth(&mut self, mesh: &TriMesh, density: f32) -> Result<u32, ModelError> {
         positive("the density of a cloth [kg/m²]", density)?;
-        let masses = lumped(mesh.positions().len(), mesh.triangles(), &mesh.areas(), density);
+        let masses = self.lumped(mesh.positions().len(), mesh.triangles(), &mesh.areas(), density)?;
         let first = self.particles(mesh.positions(), &masses)?;
         self.surface.extend(mesh.triangles().iter().map(|t| t.map(|p| p + first)));
         Ok(first)
@@ -66,10 +69,10 @@ impl ModelBuilder {
     /// without constraints. Returns the number of the first particle.
     ///
     /// # Errors
-    /// As [`ModelBuilder::particles`]; a density that is not positive.
+    /// As [`ModelBuilder::cloth`].
     pub fn volume(&mut self, mesh: &TetMesh, density: f32) -> Result<u32, ModelError> {
         positive("the density of a volume [kg/m³]", density)?;
-        let masses = lumped(mesh.positions().len(), mesh.tets(), &mesh.volumes(), density);
+        let masses = self.lumped(mesh.positions().len(), mesh.tets(), &mesh.volumes(), density)?;
         let first = self.particles(mesh.positions(), &masses)?;
         self.surface.extend(mesh.boundary().iter().map(|t| t.map(|p| p + first)));
         Ok(first)
@@ -81,15 +84,15 @@ impl ModelBuilder {
     /// Indices out of range, an edge from a particle to itself, a stiffness that is not finite and positive.
     pub fn springs(&mut self, first: u32, edges: &[[u32; 2]], stiffness: f32) -> Result<(), ModelError> {
         positive("the stiffness of a spring [N/m]", stiffness)?;
-        for (element, &edge) in edges.iter().enumerate() {
-            let (particles, [a, b]) = self.element("spring", element, first, edge)?;
-            self.constraints.springs.push(particles, Spring { rest: a.distance(b), stiffness });
-        }
+        let rest = |[a, b]: [Vec3; 2]| Some(Spring { rest: a.distance(b), stiffness });
+        let springs = self.shaped("spring", first, edges, rest)?;
+        self.constraints.springs.extend(springs);
         Ok(())
     }
 
     /// Hinges `[e0, e1, o0, o1]`, see [`TriMesh::hinges`], of `stiffness` \[J\]: at rest flat, or as they are now if `curved`.
-    /// A hinge between triangles without area is left out: it has no angle. Returns how many were left out.
+    /// A hinge between triangles without area is left out: it has no angle; so is one that `f32` cannot hold. Returns how many were
+    /// left out.
     ///
     /// # Errors
     /// Indices out of range or repeated, a stiffness that is not finite and positive.
@@ -101,15 +104,14 @@ impl ModelBuilder {
         curved: bool,
     ) -> Result<usize, ModelError> {
         positive("the stiffness of a hinge [J]", stiffness)?;
-        let mut n_left_out = 0;
-        for (element, &hinge) in hinges.iter().enumerate() {
-            let (particles, x) = self.element("hinge", element, first, hinge)?;
-            let rest = if curved { Bending::rest(x, stiffness) } else { Bending::flat(x, stiffness) };
-            match rest {
-                Some(rest) => self.constraints.bending.push(particles, rest),
-                None => n_left_out += 1,
-            }
+        let rest = if curved { Bending::rest } else { Bending::flat };
+        let mut with_angle = Vec::new();
+        for hinge in self.elements("hinge", first, hinges) {
+            let (particles, x) = hinge?;
+            with_angle.extend(rest(x, stiffness).map(|rest| (particles, rest)));
         }
+        let n_left_out = hinges.len() - with_angle.len();
+        self.constraints.bending.extend(with_angle);
         Ok(n_left_out)
     }
 
@@ -129,12 +131,9 @@ impl ModelBuilder {
             let (what, need) = ("the strain limit of a triangle", "at least 0 and below 1");
             return Err(ModelError::Value { what, value: limit, need });
         }
-        for (element, &triangle) in triangles.iter().enumerate() {
-            let (particles, x) = self.element("triangle", element, first, triangle)?;
-            let rest = TriangleStrain::rest(x, stiffness, limit);
-            let rest = rest.ok_or_else(|| degenerate("triangle", element, &particles))?;
-            self.constraints.triangle_strain.push(particles, rest);
-        }
+        let shaped =
+            self.shaped("triangle", first, triangles, |x| TriangleStrain::rest(x, stiffness, limit))?;
+        self.constraints.triangle_strain.extend(shaped);
         Ok(())
     }
 
@@ -144,12 +143,8 @@ impl ModelBuilder {
     /// Indices out of range or repeated, a flat tetrahedron, a stiffness that is not finite and positive.
     pub fn tet_strain(&mut self, first: u32, tets: &[[u32; 4]], stiffness: f32) -> Result<(), ModelError> {
         positive("the stiffness of a tetrahedron [Pa]", stiffness)?;
-        for (element, &tet) in tets.iter().enumerate() {
-            let (particles, x) = self.element("tetrahedron", element, first, tet)?;
-            let rest = TetStrain::rest(x, stiffness);
-            let rest = rest.ok_or_else(|| degenerate("tetrahedron", element, &particles))?;
-            self.constraints.tet_strain.push(particles, rest);
-        }
+        let shaped = self.shaped("tetrahedron", first, tets, |x| TetStrain::rest(x, stiffness))?;
+        self.constraints.tet_strain.extend(shaped);
         Ok(())
     }
 
@@ -170,27 +165,22 @@ impl ModelBuilder {
             let (what, need) = ("the most volume of a tetrahedron", "finite and not below the least");
             return Err(ModelError::Value { what, value: range[1], need });
         }
-        for (element, &tet) in tets.iter().enumerate() {
-            let (particles, x) = self.element("tetrahedron", element, first, tet)?;
-            let rest = TetVolume::rest(x, stiffness, range);
-            let rest = rest.ok_or_else(|| degenerate("tetrahedron", element, &particles))?;
-            self.constraints.tet_volume.push(particles, rest);
-        }
+        let shaped = self.shaped("tetrahedron", first, tets, |x| TetVolume::rest(x, stiffness, range))?;
+        self.constraints.tet_volume.extend(shaped);
         Ok(())
     }
 
     /// Holds a particle at `target` \[m\] by a spring of `stiffness` \[N/m\]; returns the attachment's number.
     ///
     /// # Errors
-    /// The particle does not exist; a target that is not finite; a stiffness that is not finite and positive.
+    /// The particle does not exist; a target that [`State::is_in_range`] refuses; a stiffness that is not finite and positive.
     pub fn attach(&mut self, particle: u32, target: Vec3, stiffness: f32) -> Result<usize, ModelError> {
         positive("the stiffness of an attachment [N/m]", stiffness)?;
-        if !target.is_finite() {
-            return Err(ModelError::Value { what: "a target", value: target.length(), need: "finite" });
-        }
-        self.element("attachment", self.constraints.attachments.len(), 0, [particle])?;
-        self.constraints.attachments.push([particle], Attachment { target, stiffness });
-        Ok(self.constraints.attachments.len() - 1)
+        let attachment = self.constraints.attachments.len();
+        self.element("attachment", attachment, 0, [particle])?;
+        check_target(attachment, target)?;
+        self.constraints.attachments.extend([([particle], Attachment { target, stiffness })]);
+        Ok(attachment)
     }
 
     /// Makes a particle stay where it is put: its mass becomes infinite.
@@ -209,12 +199,15 @@ impl ModelBuilder {
         &self.positions
     }
 
-    /// Adds all of `other` and returns the number of its first particle here.
+    /// Adds all of `other`, body by body, and returns the number of its first particle here.
     ///
     /// # Errors
     /// Too many particles.
     pub fn append(&mut self, other: Self) -> Result<u32, ModelError> {
-        let first = self.particles(&other.positions, &other.masses)?;
+        let first = self.next_body(other.positions.len())?.start;
+        self.positions.extend(other.positions);
+        self.masses.extend(other.masses);
+        self.bodies.extend(other.bodies.into_iter().map(|body| body.start + first..body.end + first));
         self.pinned.extend(other.pinned.into_iter().map(|p| p + first));
         self.surface.extend(other.surface.into_iter().map(|t| t.map(|p| p + first)));
         self.constraints.append(other.constraints, first);
@@ -232,35 +225,99 @@ impl ModelBuilder {
         if let Some(particle) = self.masses.iter().position(|&mass| mass.is_nan() || mass <= 0.0) {
             return Err(ModelError::Mass { particle, mass: self.masses[particle] });
         }
-        let model = Model::from_parts(self.masses, self.constraints, self.surface);
+        let model = Model::from_parts(self.masses, self.constraints, self.surface, self.bodies);
         Ok((model, State::at_rest(self.positions)))
     }
 
-    /// The particles of an element and their positions.
+    /// The numbers of the next `n` particles.
+    fn next_body(&self, n: usize) -> Result<Range<u32>, ModelError> {
+        let start = self.positions.len();
+        let number = |end| u32::try_from(end).map_err(|_| ModelError::TooMany { n_particles: start + n });
+        Ok(number(start)?..number(start + n)?)
+    }
+
+    /// The particles of an element, numbered through.
     fn element<const N: usize>(
         &self,
         kind: &'static str,
         element: usize,
         first: u32,
         particles: [u32; N],
-    ) -> Result<([u32; N], [Vec3; N]), ModelError> {
+    ) -> Result<[u32; N], ModelError> {
         let n_particles = self.positions.len();
-        for (k, &particle) in particles.iter().enumerate() {
-            let number = u64::from(particle) + u64::from(first);
-            if number >= n_particles as u64 {
-                return Err(ModelError::Index { kind, element, particle, n_particles });
-            }
-            if particles[..k].contains(&particle) {
-                return Err(degenerate(kind, element, &particles));
-            }
+        let numbers = particles.map(|particle| u64::from(particle) + u64::from(first));
+        if let Some(&particle) = numbers.iter().find(|&&particle| particle >= n_particles as u64) {
+            return Err(ModelError::Index { kind, element, particle, n_particles });
         }
         let particles = particles.map(|particle| particle + first);
-        Ok((particles, particles.map(|particle| self.positions[particle as usize])))
+        let is_repeated = |slot: usize| particles[..slot].contains(&particles[slot]);
+        if (0..N).any(is_repeated) { Err(degenerate(kind, element, &particles)) } else { Ok(particles) }
+    }
+
+    /// The particles of elements, numbered through, and their positions.
+    fn elements<const N: usize>(
+        &self,
+        kind: &'static str,
+        first: u32,
+        elements: &[[u32; N]],
+    ) -> impl Iterator<Item = Result<([u32; N], [Vec3; N]), ModelError>> {
+        elements.iter().enumerate().map(move |(element, &particles)| {
+            let particles = self.element(kind, element, first, particles)?;
+            Ok((particles, particles.map(|particle| self.positions[particle as usize])))
+        })
+    }
+
+    /// Elements and what `rest` makes of them, which is something.
+    fn shaped<C, const N: usize>(
+        &self,
+        kind: &'static str,
+        first: u32,
+        elements: &[[u32; N]],
+        rest: impl Fn([Vec3; N]) -> Option<C>,
+    ) -> Result<Vec<([u32; N], C)>, ModelError> {
+        let elements = self.elements(kind, first, elements).enumerate();
+        let shaped = elements.map(|(element, found)| {
+            let (particles, x) = found?;
+            rest(x).map(|rest| (particles, rest)).ok_or_else(|| degenerate(kind, element, &particles))
+        });
+        shaped.collect()
+    }
+
+    /// Masses of `n` vertices from the `sizes` of elements of K corners.
+    fn lumped<const K: usize>(
+        &self,
+        n: usize,
+        elements: &[[u32; K]],
+        sizes: &[f64],
+        density: f32,
+    ) -> Result<Vec<f32>, ModelError> {
+        let mut masses = vec![0.0_f64; n];
+        for (element, size) in elements.iter().zip(sizes) {
+            for &corner in element {
+                masses[corner as usize] += size * f64::from(density) / K as f64;
+            }
+        }
+        let narrow = |(vertex, mass): (usize, f64)| {
+            #[expect(clippy::cast_possible_truncation, reason = "masses are f32")]
+            let narrowed = mass as f32;
+            // A vertex without element is without mass, too: it may still be pinned.
+            if mass == 0.0 || narrowed.is_normal() {
+                Ok(narrowed)
+            } else {
+                Err(ModelError::Density { particle: self.positions.len() + vertex, mass })
+            }
+        };
+        masses.into_iter().enumerate().map(narrow).collect()
     }
 }
 
 fn degenerate(kind: &'static str, element: usize, particles: &[u32]) -> ModelError {
     ModelError::Degenerate { kind, element, particles: particles.to_vec() }
+}
+
+/// Whether an attachment may pull to `target` \[m\].
+pub(crate) fn check_target(attachment: usize, target: Vec3) -> Result<(), ModelError> {
+    if State::is_in_range(target) { Ok(()) } else { Err(ModelError::Target { attachment, target }) }
 }
 
 fn positive(what: &'static str, value: f32) -> Result<(), ModelError> {
@@ -269,16 +326,4 @@ fn positive(what: &'static str, value: f32) -> Result<(), ModelError> {
     } else {
         Err(ModelError::Value { what, value, need: "finite and positive" })
     }
-}
-
-/// Masses of `n` vertices from the `sizes` of elements of K corners.
-fn lumped<const K: usize>(n: usize, elements: &[[u32; K]], sizes: &[f64], density: f32) -> Vec<f32> {
-    let mut masses = vec![0.0_f64; n];
-    for (element, size) in elements.iter().zip(sizes) {
-        for &corner in element {
-            masses[corner as usize] += size * f64::from(density) / K as f64;
-        }
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "masses are f32")]
-    masses.into_iter().map(|mass| mass as f32).collect()
 }

@@ -1,5 +1,6 @@
 //! Constraints by kind.
 
+use vivace_graph::GraphBuilder;
 use vivace_kernels::constraint::{
     Attachment, Bending, Constraint, Spring, TetStrain, TetVolume, TriangleStrain,
 };
@@ -32,9 +33,11 @@ impl<C, const N: usize> Store<C, N> {
         self.particles.is_empty()
     }
 
-    pub(crate) fn push(&mut self, particles: [u32; N], rest: C) {
-        self.particles.push(particles);
-        self.rest.push(rest);
+    pub(crate) fn extend(&mut self, more: impl IntoIterator<Item = ([u32; N], C)>) {
+        for (particles, rest) in more {
+            self.particles.push(particles);
+            self.rest.push(rest);
+        }
     }
 }
 
@@ -54,7 +57,7 @@ pub trait KindVisitorMut {
     );
 }
 
-/// Declares the stores: the one list of kinds outside `shaders/constraint/`.
+/// Declares the stores and whatever goes through them: the one list of kinds outside `shaders/constraint/`.
 macro_rules! kinds {
     ($($(#[$doc:meta])* $field:ident: $kind:ident<$n:literal>),* $(,)?) => {
         /// The constraints of a model, kind by kind.
@@ -74,6 +77,12 @@ macro_rules! kinds {
                 $(if !self.$field.is_empty() { visitor.visit(&self.$field.particles, &mut self.$field.rest); })*
             }
 
+            /// The particles of all constraints, kind by kind in the order of [`Constraints::visit`]: what graphs are built from.
+            #[must_use]
+            pub fn graph_builder(&self, n_particles: usize) -> GraphBuilder<'_> {
+                GraphBuilder::new(n_particles)$(.constraints(&self.$field.particles))*
+            }
+
             /// How many constraints there are of all kinds.
             #[must_use]
             pub fn len(&self) -> usize {
@@ -84,8 +93,7 @@ macro_rules! kinds {
             pub(crate) fn append(&mut self, other: Self, first: u32) {
                 $(
                     let shifted = other.$field.particles.into_iter().map(|particles| particles.map(|p| p + first));
-                    self.$field.particles.extend(shifted);
-                    self.$field.rest.extend(other.$field.rest);
+                    self.$field.extend(shifted.zip(other.$field.rest));
                 )*
             }
         }

@@ -18,26 +18,28 @@ pub enum ModelError {
     },
     /// An element names a particle that does not exist.
     #[error(
-        "{kind} {element} names particle {particle}, but there are only {n_particles}: check the indices"
+        "{kind} {element} names particle {particle}, but there are only {n_particles}, numbered from 0: check its indices and `first`, which is added to them"
     )]
     Index {
         /// Kind of the element.
         kind: &'static str,
-        /// Which one.
+        /// Which one of its call, from 0.
         element: usize,
-        /// The particle it names.
-        particle: u32,
+        /// The particle it names, numbered through all bodies.
+        particle: u64,
         /// How many particles there are.
         n_particles: usize,
     },
-    /// An element names a particle twice, or is too flat to have a rest shape.
-    #[error("{kind} {element} is degenerate (particles {particles:?}): remove it, or repair the mesh")]
+    /// An element names a particle twice, or has no rest shape: it is flat, or so large or stiff that `f32` cannot hold it.
+    #[error(
+        "{kind} {element} is degenerate (particles {particles:?}): it names one twice, is flat, or is too large or stiff for f32; remove it, or repair the mesh"
+    )]
     Degenerate {
         /// Kind of the element.
         kind: &'static str,
-        /// Which one.
+        /// Which one of its call, from 0.
         element: usize,
-        /// Its particles.
+        /// Its particles, numbered through all bodies.
         particles: Vec<u32>,
     },
     /// A particle has a mass that cannot be simulated.
@@ -50,8 +52,42 @@ pub enum ModelError {
         /// Its mass \[kg\].
         mass: f32,
     },
+    /// A density and a mesh that give a mass which `f32` cannot hold.
+    #[error(
+        "the density gives particle {particle} a mass of {mass:e} kg, beyond the range of f32: correct the density, or the size of the mesh"
+    )]
+    Density {
+        /// The particle.
+        particle: usize,
+        /// Its mass \[kg\].
+        mass: f64,
+    },
+    /// There is no such attachment.
+    #[error("there is no attachment {attachment}: the model has {n_attachments}, numbered from 0")]
+    Attachment {
+        /// The one that was asked for.
+        attachment: usize,
+        /// How many there are.
+        n_attachments: usize,
+    },
+    /// A target that is not finite, or too far away to be squared.
+    #[error(
+        "the target of attachment {attachment} is {target}: not finite or beyond 1e12 m; correct it. Nothing was changed"
+    )]
+    Target {
+        /// The attachment.
+        attachment: usize,
+        /// Where it was to pull to \[m\].
+        target: Vec3,
+    },
+    /// A time step that cannot be.
+    #[error("the time step is {value} s; it must be above 0 and at most 1000")]
+    TimeStep {
+        /// \[s\].
+        value: f32,
+    },
     /// An array has a wrong length.
-    #[error("there are {found} {what} for {expected} particles")]
+    #[error("there are {found} {what} for {expected} particles; give one for each")]
     Length {
         /// The array.
         what: &'static str,
@@ -62,7 +98,7 @@ pub enum ModelError {
     },
     /// A position or velocity is not finite, or too large to be squared.
     #[error(
-        "the {what} hold {value} at particle {particle}: not finite or beyond 1e12. The state was left as it was"
+        "the {what} hold {value} at particle {particle}: not finite or beyond 1e12; correct it. Nothing was changed"
     )]
     NotFinite {
         /// The array.
@@ -73,7 +109,7 @@ pub enum ModelError {
         value: Vec3,
     },
     /// More particles than 32 bits can number.
-    #[error("{n_particles} particles are more than 32 bits can number")]
+    #[error("{n_particles} particles are more than 32 bits can number; split the model")]
     TooMany {
         /// How many were wanted.
         n_particles: usize,

@@ -9,6 +9,7 @@ mod error;
 mod forces;
 mod model;
 mod state;
+mod time_step;
 
 pub use builder::ModelBuilder;
 pub use constraints::{Constraints, KindVisitor, KindVisitorMut, Store};
@@ -16,3 +17,4 @@ pub use error::ModelError;
 pub use forces::{Forces, Wind};
 pub use model::Model;
 pub use state::State;
+pub use time_step::check_time_step;

@@ -1,7 +1,11 @@
 //! What does not change while it is simulated.
 
-use vivace_graph::{ConstraintGraph, GraphBuilder, GraphError};
+use std::ops::Range;
 
+use glam::Vec3;
+use vivace_graph::{ConstraintGraph, GraphError};
+
+use crate::builder::check_target;
 use crate::{Constraints, ModelError};
 
 /// Particles and constraints. Made by [`ModelBuilder`](crate::ModelBuilder), checked once.
@@ -10,11 +14,17 @@ pub struct Model {
     masses: Vec<f32>,
     constraints: Constraints,
     surface: Vec<[u32; 3]>,
+    bodies: Vec<Range<u32>>,
 }
 
 impl Model {
-    pub(crate) fn from_parts(masses: Vec<f32>, constraints: Constraints, surface: Vec<[u32; 3]>) -> Self {
-        Self { masses, constraints, surface }
+    pub(crate) fn from_parts(
+        masses: Vec<f32>,
+        constraints: Constraints,
+        surface: Vec<[u32; 3]>,
+        bodies: Vec<Range<u32>>,
+    ) -> Self {
+        Self { masses, constraints, surface, bodies }
     }
 
     /// How many particles there are.
@@ -47,18 +57,30 @@ impl Model {
         &self.surface
     }
 
+    /// The particles of each body, in the order in which they were added: one range for each call of
+    /// [`ModelBuilder::particles`](crate::ModelBuilder::particles), `cloth` or `volume`, so one for each body of a scene.
+    #[must_use]
+    pub fn bodies(&self) -> &[Range<u32>] {
+        &self.bodies
+    }
+
+    /// The numbers of the attachments that hold particles of `body`, ascending; none if there is no such body.
+    pub fn attachments_of(&self, body: usize) -> impl Iterator<Item = usize> {
+        let particles = self.bodies.get(body).cloned().unwrap_or_default();
+        let held = self.constraints.attachments.particles.iter().enumerate();
+        held.filter(move |(_, [particle])| particles.contains(particle)).map(|(attachment, _)| attachment)
+    }
+
     /// Moves the target of attachment `idx` \[m\].
     ///
     /// # Errors
-    /// There is no such attachment; the target is not finite.
-    pub fn set_attachment_target(&mut self, idx: usize, target: glam::Vec3) -> Result<(), ModelError> {
-        let n = self.constraints.attachments.len();
+    /// There is no such attachment; a target that [`State::is_in_range`](crate::State::is_in_range) refuses.
+    pub fn set_attachment_target(&mut self, idx: usize, target: Vec3) -> Result<(), ModelError> {
+        let n_attachments = self.constraints.attachments.len();
         let Some(attachment) = self.constraints.attachments.rest.get_mut(idx) else {
-            return Err(ModelError::Length { what: "attachments", expected: idx + 1, found: n });
+            return Err(ModelError::Attachment { attachment: idx, n_attachments });
         };
-        if !target.is_finite() {
-            return Err(ModelError::Value { what: "a target", value: target.length(), need: "finite" });
-        }
+        check_target(idx, target)?;
         attachment.target = target;
         Ok(())
     }
@@ -68,13 +90,6 @@ impl Model {
     /// # Errors
     /// More edges than 32 bits can number.
     pub fn graph(&self) -> Result<ConstraintGraph, GraphError> {
-        let c = &self.constraints;
-        GraphBuilder::new(self.n_particles())
-            .constraints(&c.springs.particles)
-            .constraints(&c.bending.particles)
-            .constraints(&c.triangle_strain.particles)
-            .constraints(&c.tet_strain.particles)
-            .constraints(&c.tet_volume.particles)
-            .build()
+        self.constraints.graph_builder(self.n_particles()).build()
     }
 }

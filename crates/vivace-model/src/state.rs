@@ -25,7 +25,8 @@ impl State {
         Self { positions, velocities }
     }
 
-    /// Whether a position \[m\] or velocity \[m/s\] is one that a step can start from: a number, at most 10¹².
+    /// Whether a position \[m\] or velocity \[m/s\] is one that a step can start from: a number, at most 10¹² along each axis. The one
+    /// bound for states, models and targets.
     #[must_use]
     pub fn is_in_range(v: Vec3) -> bool {
         !v.is_nan() && v.abs().max_element() <= MAX_POSITION

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
-use vivace_model::{Forces, Model, ModelBuilder, ModelError, State};
+use vivace_model::{Forces, Model, ModelBuilder, State, check_time_step};
 
 use crate::{Body, SceneError};
 
@@ -29,9 +29,6 @@ impl Default for Scene {
         Self { name: String::new(), bodies: Vec::new(), forces: Forces::default(), time_step: 1.0 / 30.0 }
     }
 }
-
-/// The longest time step \[s\].
-const MAX_STEP: f32 = 1000.0;
 
 impl Scene {
     /// Reads a .ron or .json file.
@@ -115,10 +112,7 @@ impl Scene {
             return Err(SceneError::Empty);
         }
         self.forces.check().map_err(SceneError::Value)?;
-        if !(self.time_step > 0.0 && self.time_step <= MAX_STEP) {
-            let (what, value, need) = ("time_step [s]", self.time_step, "above 0 and at most 1000");
-            return Err(SceneError::Value(ModelError::Value { what, value, need }));
-        }
+        check_time_step(self.time_step).map_err(SceneError::Value)?;
         let mut builder = ModelBuilder::new();
         let mut velocities = Vec::<Vec3>::new();
         for (index, body) in self.bodies.iter().enumerate() {

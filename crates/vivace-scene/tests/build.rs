@@ -109,8 +109,8 @@ fn what_cannot_be_is_refused_by_name() {
     let zero_volume = VolumeStiffness { stiffness: 1.0, range: [0.0, 1.0] };
     let cases: Vec<(Scene, &str)> = vec![
         (Scene::default(), "no bodies"),
-        (Scene { time_step: 0.0, ..tablecloth(3) }, "time_step"),
-        (Scene { time_step: nan, ..tablecloth(3) }, "time_step"),
+        (Scene { time_step: 0.0, ..tablecloth(3) }, "time step"),
+        (Scene { time_step: nan, ..tablecloth(3) }, "time step"),
         (Scene { forces: Forces { gravity: Vec3::NAN, ..Forces::default() }, ..tablecloth(3) }, "gravity"),
         (Scene { forces: Forces { damping: -1.0, ..Forces::default() }, ..tablecloth(3) }, "damping"),
         (tablecloth(0), "body 0 (Cloth): the number of vertices"),

@@ -14,7 +14,7 @@ pub enum SimError {
     /// The solver or the budget cannot be, or the step left the range of numbers.
     #[error(transparent)]
     Solver(#[from] SolverError),
-    /// A state, a force or a target cannot be.
+    /// A state, a force, a target or a time step cannot be.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A text is not a snapshot.
@@ -38,11 +38,5 @@ pub enum SimError {
         expected: usize,
         /// In the snapshot.
         found: usize,
-    },
-    /// A time step that cannot be.
-    #[error("the time step is {value} s; it must be above 0 and at most 1000")]
-    TimeStep {
-        /// \[s\].
-        value: f32,
     },
 }

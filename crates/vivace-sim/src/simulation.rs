@@ -1,8 +1,9 @@
 //! A model on its way through time.
 
+use std::ops::Range;
 use std::path::Path;
 
-use vivace_model::{Forces, Model, State};
+use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 use vivace_scene::Scene;
 use vivace_solver::{Budget, Solver, StepReport, System};
 
@@ -19,6 +20,7 @@ pub struct Simulation {
     forces: Forces,
     time_step: f32,
     frame: u64,
+    time: f64,
 }
 
 impl Simulation {
@@ -64,7 +66,7 @@ impl Simulation {
         forces.check()?;
         check_time_step(time_step)?;
         let system = System::new(model, solver)?;
-        Ok(Self { system, state, forces, time_step, frame: 0 })
+        Ok(Self { system, state, forces, time_step, frame: 0, time: 0.0 })
     }
 
     /// The next frame.
@@ -74,7 +76,14 @@ impl Simulation {
     pub fn step(&mut self, budget: Budget) -> Result<StepReport, SimError> {
         let report = self.system.step(&mut self.state, &self.forces, self.time_step, budget)?;
         self.frame += 1;
+        self.time += f64::from(self.time_step);
         Ok(report)
+    }
+
+    /// Whether each step reports its objective \[J\] and residual \[N\], which takes about as long as two iterations, not counted
+    /// in the budget. It is not part of a snapshot.
+    pub fn set_measuring(&mut self, is_on: bool) {
+        self.system.set_measuring(is_on);
     }
 
     /// Positions \[m\].
@@ -99,10 +108,22 @@ impl Simulation {
         Ok(())
     }
 
+    /// The particles of body `body` of the scene, from 0: where they stand in [`Simulation::positions`] and in [`State`]. `None` if
+    /// there is no such body. In a model of your own see [`Model::bodies`].
+    #[must_use]
+    pub fn particles_of(&self, body: usize) -> Option<Range<usize>> {
+        self.model().bodies().get(body).map(|body| body.start as usize..body.end as usize)
+    }
+
+    /// The attachments of body `body` of the scene, from 0, for [`Simulation::set_target`]; none if there is no such body.
+    pub fn attachments_of(&self, body: usize) -> impl Iterator<Item = usize> {
+        self.model().attachments_of(body)
+    }
+
     /// Moves the target of an attachment \[m\]: dragging.
     ///
     /// # Errors
-    /// There is no such attachment; the target is not finite.
+    /// There is no such attachment; a target that is not finite or is beyond 10¹² m.
     pub fn set_target(&mut self, attachment: usize, target: Vec3) -> Result<(), SimError> {
         Ok(self.system.set_attachment_target(attachment, target)?)
     }
@@ -149,6 +170,16 @@ impl Simulation {
         self.time_step
     }
 
+    /// Changes the time from frame to frame \[s\], from the next step on, which prepares the system anew.
+    ///
+    /// # Errors
+    /// Not above 0 and at most 1000; the old one stays.
+    pub fn set_time_step(&mut self, time_step: f32) -> Result<(), SimError> {
+        check_time_step(time_step)?;
+        self.time_step = time_step;
+        Ok(())
+    }
+
     /// Steps since the start.
     #[must_use]
     pub fn frame(&self) -> u64 {
@@ -158,7 +189,7 @@ impl Simulation {
     /// Time since the start \[s\].
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.frame as f64 * f64::from(self.time_step)
+        self.time
     }
 
     /// All that changes, to be kept.
@@ -166,6 +197,7 @@ impl Simulation {
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {
             frame: self.frame,
+            time: self.time,
             time_step: self.time_step,
             forces: self.forces,
             ease: self.system.ease(),
@@ -188,6 +220,10 @@ impl Simulation {
         snapshot.state.check(self.model())?;
         snapshot.forces.check()?;
         check_time_step(snapshot.time_step)?;
+        if !snapshot.time.is_finite() {
+            let (what, value) = ("the time of the snapshot [s]", f32::NAN);
+            return Err(ModelError::Value { what, value, need: "finite" }.into());
+        }
         let before: Vec<Vec3> = self.targets().collect();
         for (attachment, &target) in snapshot.targets.iter().enumerate() {
             if let Err(error) = self.set_target(attachment, target) {
@@ -202,10 +238,7 @@ impl Simulation {
         self.forces = snapshot.forces;
         self.time_step = snapshot.time_step;
         self.frame = snapshot.frame;
+        self.time = snapshot.time;
         Ok(())
     }
-}
-
-fn check_time_step(value: f32) -> Result<(), SimError> {
-    if value > 0.0 && value <= 1000.0 { Ok(()) } else { Err(SimError::TimeStep { value }) }
 }

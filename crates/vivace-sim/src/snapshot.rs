@@ -12,6 +12,8 @@ use crate::{SimError, Vec3};
 pub struct Snapshot {
     /// Frames since the start.
     pub frame: u64,
+    /// Time since the start \[s\].
+    pub time: f64,
     /// Time from frame to frame \[s\].
     pub time_step: f32,
     /// What acts on the particles.

@@ -2,7 +2,8 @@
 
 use vivace_sim::scene::{Attach, Select, beam, tablecloth};
 use vivace_sim::{
-    Budget, Framework, ModelError, Scene, SimError, Simulation, Snapshot, Solver, State, Vec3, Wind,
+    Budget, Ease, Framework, ModelError, Relaxation, Scene, SimError, Simulation, Snapshot, Solver, State,
+    Stop, Vec3, Wind,
 };
 
 fn held() -> Scene {
@@ -76,6 +77,8 @@ fn a_bad_state_names_its_particle_and_changes_nothing() {
     assert!(simulation.set_state(State::at_rest(vec![Vec3::ZERO])).is_err());
     assert!(simulation.set_target(2, Vec3::ZERO).is_err());
     assert!(simulation.set_target(0, Vec3::NAN).is_err());
+    assert!(simulation.set_target(0, Vec3::splat(1e30)).is_err());
+    assert!(simulation.set_time_step(0.0).is_err());
     assert!(simulation.step(Budget::default()).is_err());
     assert_eq!(simulation.snapshot(), before);
     simulation.forces_mut().damping = -1.0;
@@ -88,12 +91,13 @@ fn a_snapshot_that_does_not_fit_changes_nothing() {
     let mut simulation = Simulation::new(&held(), Solver::default()).unwrap();
     let before = simulation.snapshot();
     type Change = fn(&mut Snapshot);
-    let changes: [(Change, &str); 6] = [
+    let changes: [(Change, &str); 7] = [
         (|s| s.state = State::at_rest(vec![Vec3::ZERO]), "1 particles"),
         (|s| s.targets.truncate(1), "1 attachments"),
         (|s| s.targets[1] = Vec3::NAN, "target"),
         (|s| s.state.positions[3] = Vec3::NAN, "particle 3"),
         (|s| s.time_step = 0.0, "time step is 0"),
+        (|s| s.time = f64::INFINITY, "time of the snapshot"),
         (|s| s.forces.gravity = Vec3::NAN, "gravity"),
     ];
     for (change, words) in changes {
@@ -118,4 +122,70 @@ fn a_beam_of_tetrahedra_sinks_and_keeps_its_end() {
     assert_eq!(simulation.positions()[0], before[0]);
     assert!(simulation.positions()[35].y < before[35].y - 1e-3);
     assert!((simulation.time() - 0.1).abs() < 1e-6);
+}
+
+#[test]
+fn what_is_measured_is_reported_and_changes_nothing() {
+    let budget = Budget::iterations(10);
+    let sweeps = Solver { relaxation: Relaxation::Jacobi { omega: 0.5 }, ..Solver::default() };
+    let xpbd = Solver { framework: Framework::PositionBased, ..sweeps };
+    for solver in [sweeps, xpbd, Solver { substeps: 3, ..sweeps }, Solver::default()] {
+        let mut plain = Simulation::new(&held(), solver).unwrap();
+        let mut measured = Simulation::new(&held(), solver).unwrap();
+        measured.set_measuring(true);
+        for _ in 0..3 {
+            let report = plain.step(budget).unwrap();
+            let is_watched = solver == Solver::default();
+            assert_eq!(
+                (report.residual, report.last_move, report.objective.is_some()),
+                (None, None, is_watched)
+            );
+            let report = measured.step(budget).unwrap();
+            assert!(report.residual.unwrap() > 0.0 && report.objective.unwrap().is_finite(), "{report:?}");
+        }
+        assert_eq!(plain.snapshot(), measured.snapshot());
+    }
+}
+
+#[test]
+fn time_goes_on_when_the_time_step_changes() {
+    let mut simulation = Simulation::new(&held(), Solver::default()).unwrap();
+    simulation.step(Budget::iterations(1)).unwrap();
+    simulation.set_time_step(0.01).unwrap();
+    simulation.step(Budget::iterations(1)).unwrap();
+    assert!((simulation.time() - 1.0 / 30.0 - 0.01).abs() < 1e-8, "{}", simulation.time());
+    assert_eq!((simulation.frame(), simulation.time_step()), (2, 0.01));
+    let text = simulation.snapshot().to_json().unwrap();
+    let mut resumed = Simulation::new(&held(), Solver::default()).unwrap();
+    resumed.restore(&Snapshot::from_json(&text).unwrap()).unwrap();
+    assert_eq!(resumed.time().to_bits(), simulation.time().to_bits());
+}
+
+#[test]
+fn a_body_has_its_particles_and_attachments() {
+    let mut scene = held();
+    scene.bodies.extend(held().bodies);
+    scene.bodies[1].at = Vec3::X * 7.0;
+    let simulation = Simulation::new(&scene, Solver::default()).unwrap();
+    assert_eq!(simulation.particles_of(0), Some(0..144));
+    let second = simulation.particles_of(1).unwrap();
+    assert!(simulation.positions()[second.clone()].iter().all(|q| q.x >= 7.0));
+    assert_eq!((second, simulation.particles_of(2)), (144..288, None));
+    let attachments = |body| simulation.attachments_of(body).collect::<Vec<_>>();
+    assert_eq!([attachments(0), attachments(1), attachments(2)], [vec![0, 1], vec![2, 3], vec![]]);
+}
+
+#[test]
+fn bounds_combine() {
+    let mut simulation = Simulation::new(&held(), Solver::default()).unwrap();
+    let report = simulation.step(Budget::milliseconds(1e6).and_tolerance(1e9)).unwrap();
+    assert_eq!((report.stop, report.iterations), (Stop::Tolerance, 1));
+    let report = simulation.step(Budget::iterations(3).and_tolerance(0.0)).unwrap();
+    assert_eq!((report.stop, report.iterations), (Stop::Iterations, 3));
+}
+
+#[test]
+fn the_memory_of_the_safeguard_has_a_name() {
+    let snapshot = Simulation::new(&held(), Solver::default()).unwrap().snapshot();
+    assert_eq!(snapshot.ease, Ease::default());
 }

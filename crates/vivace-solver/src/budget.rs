@@ -47,6 +47,12 @@ impl Budget {
         Self { seconds: Some(ms / 1e3), ..self }
     }
 
+    /// With a tolerance, too: stops early where an iteration moves the particles by no more than this \[m\] (root mean square).
+    #[must_use]
+    pub fn and_tolerance(self, meters: f32) -> Self {
+        Self { tolerance: Some(meters), ..self }
+    }
+
     /// Whether there is a bound, and each makes sense.
     ///
     /// # Errors

@@ -37,6 +37,16 @@ pub enum SolverError {
     /// The crate was built without the feature.
     #[error("the direct solver is not built in: enable the feature `direct`")]
     NoDirect,
+    /// An entry on the diagonal of Y that cannot be divided by.
+    #[error(
+        "mass / h² and the stiffness of all constraints at particle {particle} add up to {weight:e} N/m, beyond the range of f32: correct its mass or stiffness, or change the time step"
+    )]
+    Weight {
+        /// The particle.
+        particle: u32,
+        /// The entry \[N/m\].
+        weight: f32,
+    },
     /// Y could not be factored.
     #[error(
         "the matrix of the global step could not be factored ({reason}): masses or weights are too far apart"
@@ -53,4 +63,21 @@ pub enum SolverError {
         /// The first particle that is not finite; a pinned one only if no other is.
         particle: usize,
     },
+}
+
+/// A count that has to fit 32 bits.
+pub(crate) fn narrow(what: &'static str, count: usize) -> Result<u32, GraphError> {
+    u32::try_from(count).map_err(|_| GraphError::TooLarge { what, count, limit: u32::MAX as usize })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_count_beyond_32_bits_says_of_what() {
+        assert_eq!(narrow("neighbors", 7), Ok(7));
+        let error = narrow("neighbors", 1 << 32).unwrap_err().to_string();
+        assert!(error.starts_with("4294967296 neighbors"), "{error}");
+    }
 }

@@ -9,19 +9,19 @@ pub struct StepReport {
     pub iterations: u32,
     /// Colors of the sweeps; 0 where the relaxation needs none.
     pub colors: u32,
-    /// Root mean square distance that the last iteration moved the particles \[m\]. NaN without a tolerance in the budget.
-    pub last_move: f32,
-    /// Objective of the time step at its end \[J\], up to a constant of the step: inertia and energy of the constraints. NaN unless [`Solver::safeguard`] or
-    /// [`System::set_measuring`] asks for it.
-    ///
-    /// [`Solver::safeguard`]: crate::Solver::safeguard
-    /// [`System::set_measuring`]: crate::System::set_measuring
-    pub objective: f64,
-    /// Root mean square force that is out of balance at the end, over the free particles \[N\]: the gradient of the objective. NaN
-    /// unless [`System::set_measuring`] asks for it.
+    /// Root mean square distance that the last iteration moved the particles \[m\]; `None` without a tolerance in the budget, and
+    /// where no iteration was kept.
+    pub last_move: Option<f32>,
+    /// Objective of the (last small) step at its end \[J\], up to a constant of the step: inertia and energy of the constraints.
+    /// There where the safeguard watched, as it does accelerated relaxations, and where [`System::set_measuring`] asks for it.
     ///
     /// [`System::set_measuring`]: crate::System::set_measuring
-    pub residual: f64,
+    pub objective: Option<f64>,
+    /// Root mean square force that is out of balance at the end, over the free particles \[N\]: the gradient of the objective. There
+    /// where [`System::set_measuring`] asks for it.
+    ///
+    /// [`System::set_measuring`]: crate::System::set_measuring
+    pub residual: Option<f64>,
     /// How often the safeguard took back an iteration and lowered the acceleration.
     pub backoffs: u32,
     /// Time per phase.
@@ -39,7 +39,7 @@ pub struct PhaseTimes {
     pub predict: f64,
     /// Iterations.
     pub solve: f64,
-    /// Velocities, checks.
+    /// Velocities, checks, and measures where they are asked for.
     pub finish: f64,
 }
 
@@ -53,4 +53,26 @@ pub enum Stop {
     Time,
     /// The particles moved no more than the tolerance.
     Tolerance,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_survives_json() {
+        let bare = StepReport::default();
+        let third = |k: i32| f64::from(k) / 3.0;
+        let full = (-500..500).map(|k| StepReport {
+            last_move: Some(k as f32 / 3.0),
+            objective: Some(third(k) * 1e-7),
+            residual: Some(third(k).exp2()),
+            stop: Stop::Tolerance,
+            ..bare
+        });
+        for report in full.chain([bare]) {
+            let text = serde_json::to_string(&report).unwrap();
+            assert_eq!(serde_json::from_str::<StepReport>(&text).unwrap(), report, "{text}");
+        }
+    }
 }

@@ -27,7 +27,7 @@ impl Default for Solver {
     fn default() -> Self {
         Self {
             framework: Framework::default(),
-            relaxation: Relaxation::GaussSeidel { omega: 1.7, base: Base::Latest },
+            relaxation: Relaxation::default(),
             substeps: 1,
             safeguard: true,
         }
@@ -36,12 +36,15 @@ impl Default for Solver {
 
 /// What the constraints mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Framework {
     /// Eq. 1 (Bouaziz et al. 2014): implicit Euler as alternating local projections and a global linear system.
     ProjectiveDynamics {
         /// When projections are computed.
+        #[serde(default)]
         local: LocalStep,
         /// What one vertex is solved with.
+        #[serde(default)]
         vertex: VertexSolve,
     },
     /// Constraints projected one by one (Müller et al. 2007), with the compliance 1/w of XPBD (Macklin et al. 2016).
@@ -56,6 +59,7 @@ impl Default for Framework {
 
 /// When Projective Dynamics computes its projections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum LocalStep {
     /// Anew for each vertex, from the latest positions, as it is solved. Best for springs and plain sweeps; with four or more
     /// sweeps to a local step, an over-relaxed [`LocalStep::Split`] left less error in the same time.
@@ -80,8 +84,10 @@ pub enum VertexSolve {
     Block,
 }
 
-/// How the unknowns are relaxed.
+/// How the unknowns are relaxed. In files, [`Relaxation::GaussSeidel`] may leave out what it shares with the default; what must be
+/// chosen must be given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Relaxation {
     /// All vertices at once, `q += omega · (q̂ − q)`. In Position Based Dynamics corrections are averaged (Macklin et al. 2014).
     Jacobi {
@@ -101,8 +107,10 @@ pub enum Relaxation {
     /// Color by color (Algorithm 1), over-relaxed by `omega` in 0..2.
     GaussSeidel {
         /// 1 is plain; up to 1.9 never blew up under the safeguard, without it every ω from 1.5 did at few iterations; 1.9 is best for stiff systems and many iterations.
+        #[serde(default = "default_omega")]
         omega: f32,
         /// How line 7 is read.
+        #[serde(default)]
         base: Base,
     },
     /// Colors forward, then backward, under Chebyshev weights: the spectrum is real and within [0, 1), so in the linear problem
@@ -133,6 +141,17 @@ pub enum Relaxation {
     /// A sparse Cholesky factorisation, made once per time step size, solves the linear system exactly after each local step. On
     /// a fixed topology the best of all by far, as long as the factor fits. Projective Dynamics only, feature `direct`.
     Direct,
+}
+
+/// Over-relaxation of the default.
+fn default_omega() -> f32 {
+    1.7
+}
+
+impl Default for Relaxation {
+    fn default() -> Self {
+        Self::GaussSeidel { omega: default_omega(), base: Base::default() }
+    }
 }
 
 /// What line 7 of Algorithm 1 extrapolates from.
@@ -218,6 +237,77 @@ impl Relaxation {
             Self::Lexicographic { .. } => "lexicographic",
             Self::ConjugateGradient { .. } => "conjugate-gradient",
             Self::Direct => "direct",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every variant, with values of its own.
+    fn solvers() -> Vec<Solver> {
+        let mut frameworks = vec![Framework::PositionBased];
+        for local in [LocalStep::Fused, LocalStep::Split { sweeps: 3 }] {
+            for vertex in [VertexSolve::Diagonal, VertexSolve::Block] {
+                frameworks.push(Framework::ProjectiveDynamics { local, vertex });
+            }
+        }
+        let mut relaxations = vec![
+            Relaxation::Jacobi { omega: 0.3 },
+            Relaxation::Chebyshev { rho: 0.9, gamma: 0.7, delay: 4 },
+            Relaxation::SymmetricChebyshev { rho: 0.8 },
+            Relaxation::ChebyshevGaussSeidel { rho: 0.7, delay: 2 },
+            Relaxation::Lexicographic { omega: 1.1 },
+            Relaxation::Direct,
+        ];
+        for base in [Base::Latest, Base::PreviousInPlace, Base::PreviousAfterSweep] {
+            relaxations.push(Relaxation::GaussSeidel { omega: 1.2, base });
+        }
+        for preconditioner in [Preconditioner::Jacobi, Preconditioner::SymmetricGaussSeidel] {
+            relaxations.push(Relaxation::ConjugateGradient { preconditioner, inner: 5 });
+        }
+        let with = |framework| {
+            let with = move |&relaxation| Solver { framework, relaxation, substeps: 3, safeguard: false };
+            relaxations.iter().map(with).collect::<Vec<_>>()
+        };
+        frameworks.into_iter().flat_map(with).collect()
+    }
+
+    #[test]
+    fn every_solver_survives_json_and_ron() {
+        for solver in solvers() {
+            let json = serde_json::to_string(&solver).unwrap();
+            assert_eq!(serde_json::from_str::<Solver>(&json).unwrap(), solver, "{json}");
+            let ron = ron::to_string(&solver).unwrap();
+            assert_eq!(ron::from_str::<Solver>(&ron).unwrap(), solver, "{ron}");
+        }
+    }
+
+    #[test]
+    fn what_has_a_default_may_be_left_out() {
+        let json = |text: &str| serde_json::from_str::<Solver>(text).unwrap();
+        let sor = Relaxation::GaussSeidel { omega: 1.5, base: Base::Latest };
+        let expected = Solver { relaxation: sor, ..Solver::default() };
+        assert_eq!(json(r#"{"relaxation": {"GaussSeidel": {"omega": 1.5}}}"#), expected);
+        assert_eq!(ron::from_str::<Solver>("(relaxation: GaussSeidel(omega: 1.5))").unwrap(), expected);
+        let nothing = r#"{"relaxation": {"GaussSeidel": {}}, "framework": {"ProjectiveDynamics": {}}}"#;
+        assert_eq!(json(nothing), Solver::default());
+        let local = LocalStep::Split { sweeps: 2 };
+        let split = Framework::ProjectiveDynamics { local, vertex: VertexSolve::Diagonal };
+        let text = r#"{"framework": {"ProjectiveDynamics": {"local": {"Split": {"sweeps": 2}}}}}"#;
+        assert_eq!(json(text), Solver { framework: split, ..Solver::default() });
+    }
+
+    #[test]
+    fn what_is_misspelled_is_refused() {
+        for text in [
+            r#"{"relaxation": {"GaussSeidel": {"omga": 1.5}}}"#,
+            r#"{"framework": {"ProjectiveDynamics": {"locl": "Fused"}}}"#,
+            r#"{"framework": {"ProjectiveDynamics": {"local": {"Split": {"sweeps": 2, "sweps": 1}}}}}"#,
+        ] {
+            let error = serde_json::from_str::<Solver>(text).unwrap_err().to_string();
+            assert!(error.contains("unknown field"), "{error}");
         }
     }
 }

@@ -76,8 +76,9 @@ pub(crate) fn solve(
             continue;
         }
         if let Some(tolerance) = budget.tolerance {
-            report.last_move = stages.moved();
-            if report.last_move <= tolerance && schedule.settle() {
+            let moved = stages.moved();
+            report.last_move = Some(moved);
+            if moved <= tolerance && schedule.settle() {
                 report.stop = Stop::Tolerance;
                 break;
             }
@@ -88,7 +89,7 @@ pub(crate) fn solve(
             backoffs += 1;
             ease.more();
         }
-        report.objective = safeguard.lowest();
+        report.objective = Some(safeguard.lowest());
         if backoffs == 0 {
             ease.quiet();
         }

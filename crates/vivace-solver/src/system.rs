@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use glam::Vec3;
-use vivace_model::{Forces, Model, ModelError, State};
+use glam::{DMat3, Vec3};
+use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 
 use crate::pbd::PositionBased;
 use crate::pd::ProjectiveDynamics;
@@ -27,6 +27,8 @@ pub struct System {
     after: Vec<Vec3>,
     velocities: Vec<Vec3>,
     accelerations: Vec<Vec3>,
+    /// Scratch of the wind: empty without one.
+    drags: Vec<DMat3>,
 }
 
 #[derive(Debug)]
@@ -38,8 +40,9 @@ enum Engine {
 impl Engine {
     fn new(model: &Model, solver: &Solver) -> Result<Self, SolverError> {
         Ok(match solver.framework {
-            Framework::ProjectiveDynamics { .. } => {
-                Self::ProjectiveDynamics(Box::new(ProjectiveDynamics::new(model, solver)?))
+            Framework::ProjectiveDynamics { local, vertex } => {
+                let pd = ProjectiveDynamics::new(model, local, vertex, solver.relaxation)?;
+                Self::ProjectiveDynamics(Box::new(pd))
             }
             Framework::PositionBased => Self::PositionBased(Box::new(PositionBased::new(model)?)),
         })
@@ -65,6 +68,7 @@ impl System {
             after: zeros(),
             velocities: zeros(),
             accelerations: zeros(),
+            drags: Vec::new(),
             model,
         })
     }
@@ -112,7 +116,7 @@ impl System {
     /// Moves the target of attachment `idx` \[m\]: dragging.
     ///
     /// # Errors
-    /// There is no such attachment; the target is not finite.
+    /// As [`Model::set_attachment_target`].
     pub fn set_attachment_target(&mut self, idx: usize, target: Vec3) -> Result<(), ModelError> {
         self.model.set_attachment_target(idx, target)?;
         match &mut self.engine {
@@ -156,23 +160,12 @@ impl System {
         budget.check()?;
         forces.check()?;
         state.check(&self.model)?;
-        if !(h > 0.0 && h <= MAX_STEP) {
-            return Err(SolverError::Setting {
-                what: "the time step [s]",
-                value: f64::from(h),
-                need: "above 0, at most 1000",
-            });
-        }
+        check_time_step(h)?;
         self.before.copy_from_slice(&state.positions);
         self.velocities.copy_from_slice(&state.velocities);
         let n_substeps = self.solver.substeps.min(budget.iterations.unwrap_or(u32::MAX)).max(1);
         let small_h = h / n_substeps as f32;
-        let mut report = StepReport {
-            objective: f64::NAN,
-            residual: f64::NAN,
-            last_move: f32::NAN,
-            ..StepReport::default()
-        };
+        let mut report = StepReport::default();
         if let Engine::ProjectiveDynamics(pd) = &mut self.engine {
             pd.prepare(small_h)?;
         }
@@ -182,6 +175,9 @@ impl System {
             self.substep(forces, small_h, &share, start, &mut report);
         }
         let finish_start = Instant::now();
+        if self.is_measuring {
+            self.measure(&mut report);
+        }
         report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
         let is_bad =
             |i: &usize| !(State::is_in_range(self.after[*i]) && State::is_in_range(self.velocities[*i]));
@@ -207,13 +203,11 @@ impl System {
             Engine::ProjectiveDynamics(pd) => {
                 pd.begin(&self.predicted);
                 solve(&mut **pd, &self.solver, budget, start, &mut self.ease, report);
-                measure(self.is_measuring, &mut **pd, report);
                 pd.end(&mut self.after);
             }
             Engine::PositionBased(pbd) => {
                 pbd.begin(h, &self.predicted);
                 solve(&mut **pbd, &self.solver, budget, start, &mut self.ease, report);
-                measure(self.is_measuring, &mut **pbd, report);
                 pbd.end(&mut self.after);
             }
         }
@@ -227,7 +221,10 @@ impl System {
     /// Line 1: `q⁰ = q + h v + h² M⁻¹ f`.
     fn predict(&mut self, forces: &Forces, h: f32) {
         self.accelerations.fill(forces.gravity);
-        forces.add_wind(&self.model, &self.before, &self.velocities, &mut self.accelerations);
+        let (q, v) = (&self.before, &self.velocities);
+        forces.add_wind(&self.model, h.into(), q, v, &mut self.drags, |particle, acceleration| {
+            self.accelerations[particle] += acceleration.as_vec3();
+        });
         for (particle, predicted) in self.predicted.iter_mut().enumerate() {
             let (q, v) = (self.before[particle], self.velocities[particle]);
             let is_free = self.model.masses()[particle].is_finite();
@@ -243,6 +240,16 @@ impl System {
         }
     }
 
+    /// The last small step, as it was left.
+    fn measure(&mut self, report: &mut StepReport) {
+        let stages: &mut dyn Stages = match &mut self.engine {
+            Engine::ProjectiveDynamics(pd) => &mut **pd,
+            Engine::PositionBased(pbd) => &mut **pbd,
+        };
+        report.objective = Some(stages.objective());
+        report.residual = Some(stages.residual());
+    }
+
     /// What [`Relaxation::name`] calls the relaxation, and the framework.
     #[must_use]
     pub fn name(&self) -> String {
@@ -254,16 +261,6 @@ impl System {
     }
 }
 
-fn measure(is_measuring: bool, stages: &mut impl Stages, report: &mut StepReport) {
-    if is_measuring {
-        report.objective = stages.objective();
-        report.residual = stages.residual();
-    }
-}
-
-/// The longest time step \[s\].
-const MAX_STEP: f32 = 1000.0;
-
 /// What small step `k` of `n` may use of a budget: its share of the iterations, and the time until its share has passed.
 fn share_of(budget: &Budget, k: u32, n: u32) -> Budget {
     let iterations = budget.iterations.map(|all| {
@@ -273,4 +270,29 @@ fn share_of(budget: &Budget, k: u32, n: u32) -> Budget {
     });
     let seconds = budget.seconds.map(|all| all * f64::from(k + 1) / f64::from(n));
     Budget { iterations, seconds, ..*budget }
+}
+
+#[cfg(test)]
+mod tests {
+    use vivace_model::ModelBuilder;
+
+    use super::*;
+
+    #[test]
+    fn what_is_too_heavy_or_stiff_for_numbers_is_not_pinned_in_silence() {
+        for (mass, stiffness) in [(1e37, 1.0), (1.0, 3e38), (1e-44, 1e-44)] {
+            let mut builder = ModelBuilder::new();
+            builder.particles(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[1.0, 1.0, mass]).unwrap();
+            builder.springs(0, &[[2, 0], [2, 1]], stiffness).unwrap();
+            builder.pin(0).unwrap();
+            builder.pin(1).unwrap();
+            let (model, mut state) = builder.build().unwrap();
+            let before = state.clone();
+            let mut system = System::new(model, Solver::default()).unwrap();
+            let h = if mass < 1.0 { 1.0 } else { 0.01 };
+            let error = system.step(&mut state, &Forces::default(), h, Budget::iterations(5)).unwrap_err();
+            assert!(matches!(error, SolverError::Weight { particle: 2, .. }), "{error}");
+            assert_eq!(state, before);
+        }
+    }
 }

@@ -69,7 +69,7 @@ fn a_tolerance_ends_a_step() {
     for solver in solvers() {
         let (state, report) = step(&scene, solver, Budget::tolerance(1e-5).and_iterations(5000));
         assert_eq!(report.stop, Stop::Tolerance, "{solver:?} {report:?}");
-        assert!(report.last_move <= 1e-5 && report.iterations >= 1, "{solver:?} {report:?}");
+        assert!(report.last_move.unwrap() <= 1e-5 && report.iterations >= 1, "{solver:?} {report:?}");
         // Between local steps a tolerance asks for the next one early: only then is it no mere number of iterations.
         if solver.framework != projective_dynamics()[1] {
             assert_eq!(state, step(&scene, solver, Budget::iterations(report.iterations)).0, "{solver:?}");
@@ -138,13 +138,14 @@ fn the_safeguard_takes_back_what_raises_the_objective() {
     let relaxation = Relaxation::GaussSeidel { omega: 1.9, base: Base::PreviousInPlace };
     let mut scene = cloth(12, 1000.0, Some(1e-5));
     jitter(&scene.0, &mut scene.1, 0.02, 1);
-    let start = guarded(&scene, relaxation, 0).0.objective;
+    let start = guarded(&scene, relaxation, 0).0.objective.unwrap();
     let mut lowest = start;
     for iterations in [8, 16, 40] {
         let (report, mut system) = guarded(&scene, relaxation, iterations);
-        // The safeguard tells rises from 10⁻⁶ on.
-        assert!(report.objective <= lowest * (1.0 + 1e-6), "{iterations}: {report:?}, {lowest} before");
-        lowest = report.objective;
+        let objective = report.objective.unwrap();
+        // What the safeguard tolerates.
+        assert!(objective <= lowest * (1.0 + 1e-4), "{iterations}: {report:?}, {lowest} before");
+        lowest = objective;
         assert_eq!(report.backoffs > 0, system.ease() != Ease::default(), "{report:?}");
         if iterations == 40 {
             assert!(report.backoffs > 0 && lowest < 0.9 * start, "{report:?} {start}");
@@ -165,7 +166,7 @@ fn small_steps_share_the_time() {
         let (model, mut state) = cloth(12, 100.0, Some(1e-5));
         let mut system = System::new(model, Solver { substeps: 2, ..plain(gauss_seidel(1.0)) }).unwrap();
         system.set_measuring(true);
-        system.step(&mut state, &Forces::default(), STEP, budget).unwrap().residual
+        system.step(&mut state, &Forces::default(), STEP, budget).unwrap().residual.unwrap()
     };
     let (few, many) = (residual(Budget::iterations(2)), residual(Budget::milliseconds(60.0)));
     assert!(many < 0.1 * few, "{few} {many}");
@@ -200,7 +201,8 @@ fn what_cannot_be_simulated_is_refused() {
     let error = refused(|state| state.velocities.push(Vec3::ZERO), &forces, STEP, one);
     assert!(matches!(error, SolverError::Model(ModelError::Length { found: 26, .. })), "{error}");
     for h in [0.0, -0.01, f32::NAN, f32::INFINITY, 1001.0] {
-        assert!(matches!(refused(|_| (), &forces, h, one), SolverError::Setting { .. }), "{h}");
+        let error = refused(|_| (), &forces, h, one);
+        assert!(matches!(error, SolverError::Model(ModelError::TimeStep { .. })), "{h}");
     }
     let gravity = Forces { gravity: Vec3::new(0.0, f32::NAN, 0.0), ..forces };
     assert!(matches!(refused(|_| (), &gravity, STEP, one), SolverError::Model(ModelError::Value { .. })));

@@ -44,7 +44,7 @@ fn energy(model: &Model, framework: Framework, positions: &[Vec3]) -> f64 {
     let mut system = System::new(model.clone(), Solver { framework, ..plain(gauss_seidel(1.0)) }).unwrap();
     system.set_measuring(true);
     let mut state = State::at_rest(positions.to_vec());
-    system.step(&mut state, &NO_FORCE, STEP, Budget::iterations(0)).unwrap().objective
+    system.step(&mut state, &NO_FORCE, STEP, Budget::iterations(0)).unwrap().objective.unwrap()
 }
 
 /// Sums over the constraints of a model at some positions.

@@ -23,7 +23,8 @@ fn on_threads(scene: &Scene, solver: Solver, iterations: u32, n_threads: usize) 
         for _ in 0..2 {
             let budget = Budget::tolerance(0.0).and_iterations(iterations);
             let report = system.step(&mut state, &forces, STEP, budget).unwrap();
-            reported.extend([report.objective, report.residual, report.last_move.into()].map(f64::to_bits));
+            let measures = [report.objective, report.residual, report.last_move.map(f64::from)];
+            reported.extend(measures.map(|measure| measure.unwrap().to_bits()));
         }
         (state, reported)
     })

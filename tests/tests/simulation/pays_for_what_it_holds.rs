@@ -3,7 +3,7 @@
 use vivace_kernels::constraint::Constraint;
 use vivace_model::{KindVisitor, Model, ModelBuilder, Store};
 use vivace_solver::pd::ProjectiveDynamics;
-use vivace_solver::{Framework, Solver, System};
+use vivace_solver::{Framework, LocalStep, Relaxation, Solver, System, VertexSolve};
 use vivace_tests::scenes::{Kind, cloth, free_cloth, gauss_seidel, plain};
 
 fn system(model: &Model, framework: Framework) -> System {
@@ -11,7 +11,9 @@ fn system(model: &Model, framework: Framework) -> System {
 }
 
 fn n_entries(model: &Model) -> usize {
-    ProjectiveDynamics::new(model, &Solver::default()).unwrap().n_entries()
+    ProjectiveDynamics::new(model, LocalStep::Fused, VertexSolve::Diagonal, Relaxation::default())
+        .unwrap()
+        .n_entries()
 }
 
 #[test]

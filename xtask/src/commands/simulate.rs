@@ -51,6 +51,9 @@ pub struct Args {
     /// Write an animation (animation.png, in APNG form) of every Mth frame
     #[arg(long)]
     animation: bool,
+    /// Measure objective and residual of each frame, beyond its budget
+    #[arg(long)]
+    measure: bool,
     /// Keep the end as JSON, for --resume
     #[arg(long, value_name = "FILE")]
     snapshot: Option<PathBuf>,
@@ -62,12 +65,13 @@ pub struct Args {
     quiet: bool,
 }
 
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 13] = [
     "frame",
     "time_s",
     "iterations",
     "colors",
     "objective",
+    "residual_n",
     "last_move_m",
     "backoffs",
     "solve_ms",
@@ -87,6 +91,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     let (scene, folder) = scene::load(&args.scene, None)?;
     let mut simulation =
         Simulation::new_in(&scene, &folder, solver).map_err(|error| failed(&args.scene, &error))?;
+    simulation.set_measuring(args.measure);
     let strain = Strain::at_rest(simulation.model(), simulation.positions());
     if let Some(path) = &args.resume {
         let text = std::fs::read_to_string(path).map_err(|error| {
@@ -147,7 +152,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     if args.quiet { Ok(()) } else { output::print(&format!("{}\n", path.display())) }
 }
 
-fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 12] {
+fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 13] {
     let stop = match report.stop {
         Stop::Iterations => "iterations",
         Stop::Time => "time",
@@ -155,13 +160,15 @@ fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f
     };
     // What was not measured stays empty.
     let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value}") };
+    let measured = |value: Option<f64>| value.map_or_else(String::new, number);
     [
         simulation.frame().to_string(),
         number(simulation.time()),
         report.iterations.to_string(),
         report.colors.to_string(),
-        number(report.objective),
-        number(report.last_move.into()),
+        measured(report.objective),
+        measured(report.residual),
+        measured(report.last_move.map(f64::from)),
         report.backoffs.to_string(),
         number(report.times.solve * 1e3),
         number(total * 1e3),

@@ -73,7 +73,9 @@ pub fn play(case: &Case, method: &Method) -> Result<(Outcome, f64), SolverError>
     }
     let long = |system: &mut System, iterations| {
         let budget = Budget { iterations: Some(iterations), tolerance: Some(0.0), seconds: None };
-        system.step(&mut state.clone(), &forces, case.h, budget).map(|report| f64::from(report.last_move))
+        system
+            .step(&mut state.clone(), &forces, case.h, budget)
+            .map(|report| report.last_move.map_or(f64::NAN, f64::from))
     };
     let (Ok(first), Ok(last)) = (long(&mut system, 1), long(&mut system, LONG)) else {
         return Ok((Outcome::Fails("the last frame ends beyond the range of numbers".to_owned()), f64::NAN));

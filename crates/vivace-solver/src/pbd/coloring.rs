@@ -1,23 +1,15 @@
 //! Colors for constraints: two that share a particle differ.
 
 use vivace_coloring::{ConstraintGraph, color};
-use vivace_graph::GraphBuilder;
 use vivace_model::Model;
 
 use crate::SolverError;
+use crate::error::narrow;
 
 /// The color of each constraint, numbered through in the order of [`vivace_model::Constraints`], and how many colors there are.
 pub(super) fn color_constraints(model: &Model) -> Result<(Vec<u32>, u32), SolverError> {
-    let c = model.constraints();
-    let incidence = GraphBuilder::new(model.n_particles())
-        .constraints(&c.springs.particles)
-        .constraints(&c.bending.particles)
-        .constraints(&c.triangle_strain.particles)
-        .constraints(&c.tet_strain.particles)
-        .constraints(&c.tet_volume.particles)
-        .constraints(&c.attachments.particles)
-        .incidence()?;
-    let n = c.len();
+    let incidence = model.constraints().graph_builder(model.n_particles()).incidence()?;
+    let n = model.constraints().len();
     let mut members: Vec<Vec<u32>> = vec![Vec::new(); n];
     for particle in (0..).take(model.n_particles()) {
         // A pinned particle is never written, so it keeps nobody apart.
@@ -37,8 +29,7 @@ pub(super) fn color_constraints(model: &Model) -> Result<(Vec<u32>, u32), Solver
         let mut row = neighbors.split_off(first);
         row.dedup();
         neighbors.append(&mut row);
-        let end = u32::try_from(neighbors.len());
-        offsets.push(end.map_err(|_| vivace_model::ModelError::TooMany { n_particles: neighbors.len() })?);
+        offsets.push(narrow("neighbors of constraints", neighbors.len())?);
     }
     let coloring = color(&ConstraintGraph::from_csr(offsets, neighbors)?);
     Ok((coloring.colors().to_vec(), coloring.n_colors()))

@@ -20,7 +20,7 @@ use wide::f32x8;
 
 use crate::history::History;
 use crate::parallel::{Split, in_pieces, sum};
-use crate::{Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverError, Stages, VertexSolve};
+use crate::{LocalStep, Preconditioner, Relaxation, SolverError, Stages, VertexSolve};
 use layout::Layout;
 use pass::{Pass, Passes};
 use points::{LANES, Lanes3, Points, PointsMut};
@@ -68,17 +68,19 @@ const GRAIN: usize = 32 * LANES;
 const LARGE_GRAIN: usize = 1 << 14;
 
 impl ProjectiveDynamics {
-    /// Colors the model's graph and gathers the rows of Y.
+    /// Colors the model's graph and gathers the rows of Y, as `relaxation` needs them.
     ///
     /// # Errors
     /// More constraints than 32 bits can number.
-    pub fn new(model: &Model, solver: &Solver) -> Result<Self, SolverError> {
-        let Framework::ProjectiveDynamics { local, vertex } = solver.framework else {
-            return Err(SolverError::NotPositionBased { relaxation: solver.relaxation.name() });
-        };
-        let is_direct = matches!(solver.relaxation, Relaxation::Direct);
+    pub fn new(
+        model: &Model,
+        local: LocalStep,
+        vertex: VertexSolve,
+        relaxation: Relaxation,
+    ) -> Result<Self, SolverError> {
+        let is_direct = matches!(relaxation, Relaxation::Direct);
         // What solves the linear system needs b apart from the sweeps.
-        let is_linear_solver = is_direct || matches!(solver.relaxation, Relaxation::ConjugateGradient { .. });
+        let is_linear_solver = is_direct || matches!(relaxation, Relaxation::ConjugateGradient { .. });
         let (local, vertex) = if is_linear_solver {
             (LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal)
         } else {
@@ -145,7 +147,7 @@ impl ProjectiveDynamics {
     /// The parameters of a time step `h` \[s\]: inertia, diagonal, factor. Returns at once where they are the same.
     ///
     /// # Errors
-    /// Y cannot be factored, or the feature `direct` is missing.
+    /// A diagonal that `f32` cannot hold; Y cannot be factored, or the feature `direct` is missing.
     pub(crate) fn prepare(&mut self, h: f32) -> Result<(), SolverError> {
         if self.h == h {
             return Ok(());
@@ -161,8 +163,14 @@ impl ProjectiveDynamics {
             }
         }
         let diagonal = self.rows.diagonal.iter().zip(&self.anchor_weights).map(|(a, b)| a + b);
-        for (inverse, diagonal) in self.inverse_diagonal.iter_mut().zip(diagonal) {
+        for ((inverse, diagonal), &particle) in
+            self.inverse_diagonal.iter_mut().zip(diagonal).zip(&self.layout.order)
+        {
             *inverse = 1.0 / diagonal;
+            // Otherwise what is heavy or stiff beyond numbers would be pinned, and nobody would know.
+            if !inverse.is_normal() {
+                return Err(SolverError::Weight { particle, weight: diagonal });
+            }
         }
         if self.is_direct {
             #[cfg(feature = "direct")]

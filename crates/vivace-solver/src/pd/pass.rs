@@ -7,11 +7,12 @@ use glam::{Mat3, Vec3, Vec3A};
 use rayon::prelude::*;
 use vivace_graph::Incidence;
 use vivace_kernels::constraint::Constraint;
-use vivace_model::{KindVisitor, Model, ModelError, Store};
+use vivace_model::{KindVisitor, Model, Store};
 
 use super::layout::Layout;
 use super::points::Points;
 use crate::SolverError;
+use crate::error::narrow;
 use crate::parallel::sum;
 
 /// A kind's local step.
@@ -89,8 +90,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> KindPass<C, N, R> {
                 let n = u32::try_from(N).unwrap_or(u32::MAX);
                 slots.extend(at.map(|slot: u32| constraint * n + slot));
             }
-            let end = u32::try_from(slots.len());
-            offsets.push(end.map_err(|_| ModelError::TooMany { n_particles: slots.len() })?);
+            offsets.push(narrow("particles of constraints", slots.len())?);
         }
         let projected = vec![[Vec3::ZERO; R]; particles.len()];
         Ok(Self { particles, rest, projected, offsets, slots })

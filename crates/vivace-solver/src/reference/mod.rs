@@ -13,7 +13,7 @@ mod svd;
 mod tests;
 
 use glam::{DVec3, Vec3};
-use vivace_model::{Forces, Model, ModelError, State, Wind};
+use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 
 use crate::SolverError;
 use minimize::Minimizer;
@@ -80,15 +80,10 @@ impl Reference {
     /// Prepares `model` for steps of `h` \[s\].
     ///
     /// # Errors
-    /// A step that is not positive; Y cannot be factored.
+    /// A step that [`check_time_step`] refuses; Y cannot be factored.
     pub fn new(model: &Model, h: f64) -> Result<Self, SolverError> {
-        if !(h > 0.0 && h.is_finite()) {
-            return Err(SolverError::Setting {
-                what: "the time step [s]",
-                value: h,
-                need: "finite and positive",
-            });
-        }
+        #[expect(clippy::cast_possible_truncation, reason = "the bound need not be exact")]
+        check_time_step(h as f32)?;
         let minimizer = Minimizer::new(Objective::new(model, h))?;
         Ok(Self { model: model.clone(), h, minimizer })
     }
@@ -96,7 +91,7 @@ impl Reference {
     /// Moves the target of attachment `idx` \[m\].
     ///
     /// # Errors
-    /// There is no such attachment; the target is not finite.
+    /// As [`Model::set_attachment_target`].
     pub fn set_attachment_target(&mut self, idx: usize, target: Vec3) -> Result<(), ModelError> {
         self.model.set_attachment_target(idx, target)?;
         self.minimizer.objective.set_attachment_target(idx, target);
@@ -166,30 +161,17 @@ impl Reference {
             if values.len() != expected {
                 return Err(ModelError::Length { what, expected, found: values.len() });
             }
-            if let Some(particle) = values.iter().position(|v| !v.is_finite()) {
+            if let Some(particle) = values.iter().position(|v| !State::is_in_range(v.as_vec3())) {
                 return Err(ModelError::NotFinite { what, particle, value: values[particle].as_vec3() });
             }
         }
         Ok(())
     }
 
-    /// Gravity and wind \[m/s²\]: see [`vivace_model::Wind`].
     fn accelerations(&self, state: &ReferenceState, forces: &Forces) -> Vec<DVec3> {
         let mut accelerations = vec![forces.gravity.as_dvec3(); self.model.n_particles()];
-        let Some(wind) = forces.wind else { return accelerations };
-        for triangle in self.model.surface() {
-            let [a, b, c] = triangle.map(|p| state.positions[p as usize]);
-            let twice_area = (b - a).cross(c - a);
-            let Some(normal) = twice_area.try_normalize() else { continue };
-            let mean = triangle.iter().map(|&p| state.velocities[p as usize]).sum::<DVec3>() / 3.0;
-            let relative = wind.velocity.as_dvec3() - mean;
-            let skin = f64::from(Wind::SKIN);
-            let felt = skin * relative + (1.0 - skin) * relative.dot(normal) * normal;
-            let force = felt * (f64::from(wind.drag) * 0.5 * twice_area.length());
-            for &p in triangle {
-                accelerations[p as usize] += force / (3.0 * f64::from(self.model.masses()[p as usize]));
-            }
-        }
+        let (q, v) = (&state.positions, &state.velocities);
+        forces.add_wind(&self.model, self.h, q, v, &mut Vec::new(), |i, a| accelerations[i] += a);
         accelerations
     }
 }
