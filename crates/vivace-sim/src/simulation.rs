@@ -221,7 +221,8 @@ impl Simulation {
         snapshot.forces.check()?;
         check_time_step(snapshot.time_step)?;
         if !snapshot.time.is_finite() {
-            let (what, value) = ("the time of the snapshot [s]", f32::NAN);
+            #[expect(clippy::cast_possible_truncation, reason = "not a number, or infinite")]
+            let (what, value) = ("the time of the snapshot [s]", snapshot.time as f32);
             return Err(ModelError::Value { what, value, need: "finite" }.into());
         }
         let before: Vec<Vec3> = self.targets().collect();

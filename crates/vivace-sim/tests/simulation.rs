@@ -97,7 +97,7 @@ fn a_snapshot_that_does_not_fit_changes_nothing() {
         (|s| s.targets[1] = Vec3::NAN, "target"),
         (|s| s.state.positions[3] = Vec3::NAN, "particle 3"),
         (|s| s.time_step = 0.0, "time step is 0"),
-        (|s| s.time = f64::INFINITY, "time of the snapshot"),
+        (|s| s.time = f64::INFINITY, "time of the snapshot [s] is inf"),
         (|s| s.forces.gravity = Vec3::NAN, "gravity"),
     ];
     for (change, words) in changes {
