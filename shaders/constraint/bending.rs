@@ -15,7 +15,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, DVec4, Mat3, Vec3};
 use wide::f32x4;
 
-use super::{BATCH, Constraint};
+use super::{BATCH, Constraint, Deviations};
 use crate::lanes::{Lanes3, each};
 
 /// The rest data of a hinge.
@@ -119,13 +119,15 @@ impl Constraint<4, 1> for Bending {
     }
 
     #[inline]
-    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 4]) -> Option<(f32x4, [Lanes3<f32x4>; 4])> {
+    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 4]) -> Option<Deviations<4>> {
         let k = |slot: usize| each(rest, |rest| rest.row[slot]);
         let k = [k(0), k(1), k(2), k(3)];
         let d = (q[1] - q[0]) * k[1] + (q[2] - q[0]) * k[2] + (q[3] - q[0]) * k[3];
         let length = d.dot(d).fast_max(f32x4::splat(TINY * TINY)).sqrt();
         let u = d * (f32x4::ONE / length);
-        Some((length - each(rest, |rest| rest.rest), [u * k[0], u * k[1], u * k[2], u * k[3]]))
+        let c = length - each(rest, |rest| rest.rest);
+        let gradient = [u * k[0], u * k[1], u * k[2], u * k[3]];
+        Some(Deviations { c, gradient, squared: [k[0] * k[0], k[1] * k[1], k[2] * k[2], k[3] * k[3]] })
     }
 }
 

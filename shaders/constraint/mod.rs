@@ -45,6 +45,17 @@ pub struct Xpbd {
     pub omega: f32,
 }
 
+/// [`Constraint::deviation`] of four constraints.
+#[derive(Debug, Clone, Copy)]
+pub struct Deviations<const N: usize> {
+    /// C.
+    pub c: f32x4,
+    /// ∇C, by particle.
+    pub gradient: [Lanes3<f32x4>; N],
+    /// |∇C|², by particle. Of many kinds it is known before q is, and nothing has to wait for it.
+    pub squared: [f32x4; N],
+}
+
 /// A constraint on `N` particles with `R` rows. A value of the type is the rest data of one constraint.
 pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug {
     /// The kind's one name.
@@ -146,7 +157,7 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
 
     /// [`Constraint::deviation`] of four constraints at once, for kinds that have it.
     #[inline]
-    fn deviations(_rest: &[Self; BATCH], _q: &[Lanes3<f32x4>; N]) -> Option<(f32x4, [Lanes3<f32x4>; N])> {
+    fn deviations(_rest: &[Self; BATCH], _q: &[Lanes3<f32x4>; N]) -> Option<Deviations<N>> {
         None
     }
 
@@ -186,11 +197,11 @@ pub fn correct_batch<C: Constraint<N, R>, const N: usize, const R: usize>(
         let of = |particle: u32| q[particle as usize];
         (corners[slot], w[slot]) = Lanes3::from_vec4s([of(a[slot]), of(b[slot]), of(c[slot]), of(d[slot])]);
     }
-    let (c, gradient) = C::deviations(rest, &corners)?;
+    let Deviations { c, gradient, squared } = C::deviations(rest, &corners)?;
     let compliance = f32x4::ONE / (each(rest, C::weight) * f32x4::splat(xpbd.squared_h));
     let mut denominator = compliance;
-    for (gradient, w) in gradient.iter().zip(&w) {
-        denominator += *w * gradient.dot(*gradient);
+    for (squared, w) in squared.iter().zip(&w) {
+        denominator += *w * *squared;
     }
     let lambda = f32x4::new(*lambdas);
     let step = f32x4::splat(xpbd.omega) * (-c - compliance * lambda) / denominator;

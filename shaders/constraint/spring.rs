@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
 use wide::f32x4;
 
-use super::{BATCH, Constraint};
+use super::{BATCH, Constraint, Deviations};
 use crate::lanes::{Lanes3, each};
 
 /// The rest data of a spring.
@@ -64,11 +64,12 @@ impl Constraint<2, 1> for Spring {
     }
 
     #[inline]
-    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 2]) -> Option<(f32x4, [Lanes3<f32x4>; 2])> {
+    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 2]) -> Option<Deviations<2>> {
         let d = q[1] - q[0];
         let length = d.dot(d).fast_max(f32x4::splat(TINY * TINY)).sqrt();
         let u = d * (f32x4::ONE / length);
-        Some((length - each(rest, |rest| rest.rest), [-u, u]))
+        let c = length - each(rest, |rest| rest.rest);
+        Some(Deviations { c, gradient: [-u, u], squared: [f32x4::ONE; 2] })
     }
 }
 

@@ -85,13 +85,15 @@ fn check_batch<C: Constraint<N, R>, const N: usize, const R: usize>(
     size: f32,
 ) {
     let lanes = std::array::from_fn(|slot| Lanes3::from_vec4s(q.map(|q| q[slot].extend(0.0))).0);
-    let Some((c, gradient)) = C::deviations(&[*rest; BATCH], &lanes) else { return };
+    let Some(Deviations { c, gradient, squared }) = C::deviations(&[*rest; BATCH], &lanes) else { return };
     for (lane, q) in q.iter().enumerate() {
         let (expected, gradients) = rest.deviation(q);
         let bound = 1e-5 * size * (1.0 + expected.abs());
         assert!((c.to_array()[lane] - expected).abs() <= bound, "{}: {c} {expected}", C::NAME);
-        for (gradient, expected) in gradient.iter().zip(gradients) {
+        for ((gradient, squared), expected) in gradient.iter().zip(&squared).zip(gradients) {
             close(gradient.to_vec4s()[lane].truncate(), expected, bound, &format!("{}: batch", C::NAME));
+            let off = (squared.to_array()[lane] - expected.length_squared()).abs();
+            assert!(expected == Vec3::ZERO || off <= bound, "{}: {off} off", C::NAME);
         }
     }
 }

@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
 use wide::f32x4;
 
-use super::{BATCH, Constraint, tet_strain::gradient};
+use super::{BATCH, Constraint, Deviations, tet_strain::gradient};
 use crate::lanes::{Lanes3, each};
 use crate::mat3::svd;
 
@@ -128,7 +128,7 @@ impl Constraint<4, 3> for TetVolume {
     }
 
     #[inline]
-    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 4]) -> Option<(f32x4, [Lanes3<f32x4>; 4])> {
+    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 4]) -> Option<Deviations<4>> {
         let (x, y, z) = (q[1] - q[0], q[2] - q[0], q[3] - q[0]);
         let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
         let inverse_det = each(rest, |rest| rest.inverse_det);
@@ -138,7 +138,9 @@ impl Constraint<4, 3> for TetVolume {
         let scale = is_inside.bitselect(f32x4::ZERO, inverse_det * f32x4::splat(SCALE));
         let [b, c, d] = [yz * scale, zx * scale, xy * scale];
         let deviation = (det - det.fast_min(high).fast_max(low)) * f32x4::splat(SCALE);
-        Some((deviation, [-(b + c + d), b, c, d]))
+        let a = -(b + c + d);
+        let squared = [a.dot(a), b.dot(b), c.dot(c), d.dot(d)];
+        Some(Deviations { c: deviation, gradient: [a, b, c, d], squared })
     }
 }
 

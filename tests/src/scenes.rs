@@ -328,10 +328,10 @@ fn narrow(x: f64) -> f32 {
     x as f32
 }
 
-/// Projective Dynamics without safeguard, by its default framework.
+/// Projective Dynamics without safeguard, projections fused.
 #[must_use]
 pub fn plain(relaxation: Relaxation) -> Solver {
-    Solver { relaxation, safeguard: false, ..Solver::default() }
+    Solver { framework: Framework::FUSED, relaxation, substeps: 1, safeguard: false }
 }
 
 /// Colored Gauss-Seidel from the latest positions.
@@ -371,7 +371,7 @@ pub fn linear_relaxations() -> Vec<Relaxation> {
 pub fn projective_dynamics() -> [Framework; 3] {
     let of = |local, vertex| Framework::ProjectiveDynamics { local, vertex };
     [
-        of(LocalStep::Fused, VertexSolve::Diagonal),
+        Framework::FUSED,
         of(LocalStep::Split { sweeps: 3 }, VertexSolve::Diagonal),
         of(LocalStep::Fused, VertexSolve::Block),
     ]

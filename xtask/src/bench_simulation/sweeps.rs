@@ -17,11 +17,8 @@ use crate::figures::FigureError;
 
 /// Plain Gauss-Seidel by Projective Dynamics.
 pub(super) fn gauss_seidel(omega: f32) -> Solver {
-    Solver {
-        relaxation: Relaxation::GaussSeidel { omega, base: Base::Latest },
-        safeguard: false,
-        ..Solver::default()
-    }
+    let relaxation = Relaxation::GaussSeidel { omega, base: Base::Latest };
+    Solver { framework: Framework::FUSED, relaxation, substeps: 1, safeguard: false }
 }
 
 /// As `solver`, with blocks of 3 × 3.

@@ -55,9 +55,9 @@ pub fn settings() -> Vec<Setting> {
     let mut all = Vec::new();
     let pd = |local, vertex| Framework::ProjectiveDynamics { local, vertex };
     let frameworks = [
-        ("PD", pd(LocalStep::Fused, VertexSolve::Diagonal)),
+        ("PD", Framework::FUSED),
         ("PD split", pd(LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal)),
-        ("PD split 4", pd(LocalStep::Split { sweeps: 4 }, VertexSolve::Diagonal)),
+        ("PD split 8", pd(LocalStep::Split { sweeps: 8 }, VertexSolve::Diagonal)),
         ("PD blocks", pd(LocalStep::Fused, VertexSolve::Block)),
         ("XPBD", Framework::PositionBased),
     ];
@@ -92,7 +92,7 @@ pub fn settings() -> Vec<Setting> {
 fn small_steps(substeps: u32) -> Vec<Setting> {
     let plain = Relaxation::GaussSeidel { omega: 1.0, base: Base::Latest };
     let pd = |local, vertex| Framework::ProjectiveDynamics { local, vertex };
-    let fused = pd(LocalStep::Fused, VertexSolve::Diagonal);
+    let fused = Framework::FUSED;
     let kinds = [
         ("PD, Gauss-Seidel", fused, plain),
         ("PD split, Gauss-Seidel", pd(LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal), plain),

@@ -20,8 +20,8 @@ pub(crate) struct Factor {
     work: Vec<Vec4>,
 }
 
-/// A solve must take away nine tenths of what is left, or iterations of it do not converge.
-const WORST_RESIDUAL: f64 = 0.1;
+/// A solve must at least halve what is left, or iterations of it do not converge.
+const WORST_RESIDUAL: f64 = 0.5;
 
 #[derive(Debug, Clone, Copy)]
 struct Entry {

@@ -5,7 +5,7 @@ use vivace_solver::reference::Answer;
 use vivace_solver::{Base, Relaxation, Solver, SolverError};
 
 use super::charts;
-use super::methods::{Method, methods};
+use super::methods::Method;
 use super::runs::{self, Inside};
 use super::scenes::Scene;
 use crate::report::{Axis, Chart, Look, Panel, Series, Table, Value};
@@ -34,12 +34,12 @@ impl Line7 {
         scene: &Scene,
         start: &State,
         answer: &Answer,
+        plain: &Method,
         counts: &[u32],
     ) -> Result<Self, SolverError> {
         let inside = |omega, base, counts: &[u32]| {
             let relaxation = Relaxation::GaussSeidel { omega, base };
-            let solver = Solver { relaxation, safeguard: false, ..Solver::default() };
-            let method = Method { solver, sweeps: 1, ..methods()[0] };
+            let method = Method { solver: Solver { relaxation, ..plain.solver }, ..*plain };
             runs::inside(scene, start, answer, &method, counts, 1)
         };
         let mut readings = Vec::new();

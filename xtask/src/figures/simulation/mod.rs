@@ -123,16 +123,13 @@ impl Comparison {
             frame.push((method, pool.install(inside)?));
         }
         context.progress.step("readings of line 7");
-        let line7 = pool.install(|| Line7::measure(&scene, &start, &answer, &counts))?;
-        let lexicographic = Method {
-            name: "In the model\u{2019}s order",
-            solver: vivace_solver::Solver {
-                relaxation: vivace_solver::Relaxation::Lexicographic { omega: 1.0 },
-                safeguard: false,
-                ..vivace_solver::Solver::default()
-            },
-            ..methods::methods()[2]
-        };
+        // With projections as all methods have them on this scene.
+        let plain = methods::methods_for(&scene).into_iter().find(|method| method.name == methods::PLAIN);
+        let plain = plain.unwrap_or_else(|| methods::methods()[0]);
+        let line7 = pool.install(|| Line7::measure(&scene, &start, &answer, &plain, &counts))?;
+        let relaxation = vivace_solver::Relaxation::Lexicographic { omega: 1.0 };
+        let solver = vivace_solver::Solver { relaxation, ..plain.solver };
+        let lexicographic = Method { name: "In the model\u{2019}s order", solver, ..plain };
         let ordered = pool.install(|| runs::inside(&scene, &start, &answer, &lexicographic, &counts, 1))?;
         context.progress.step("charts and tables");
         Ok(Self { scene, times: subject.times.to_vec(), runs, frame, line7, ordered })
