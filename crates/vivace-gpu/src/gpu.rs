@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock, mpsc};
 
 use bytemuck::Zeroable;
 use vivace_kernels::{
-    Backend, CountDown, Element, Inputs, Kernel, ListShader, Map, RoundCount, Select, Shader, Update, View,
-    ViewVisitor, Views,
+    Backend, CountDown, Element, Form, Inputs, Kernel, ListShader, Map, RoundCount, Select, Shader, Update,
+    View, ViewVisitor, Views,
 };
 
 use crate::list::{HEADER_BYTES, Header, Headers, Indices, N_HEADERS};
@@ -17,6 +17,9 @@ use crate::{GpuError, List};
 
 /// Rounds in the first batch. The paper's coloring ends within it on a mesh.
 const FIRST_BATCH: u32 = 8;
+
+/// Elements that an invocation updates in order, as in `update_in_order.wgsl`.
+const IN_ORDER: usize = 4;
 
 /// No batch is longer: each of its rounds keeps a header.
 const LARGEST_BATCH: u32 = 128;
@@ -262,9 +265,22 @@ impl Gpu {
         (header.n_looks < self.n_looks.get()).then(|| self.seen.borrow()[header.place as usize][3])
     }
 
-    /// Records a dispatch that binds `groups`.
+    /// The length of a list. Waits for the device if the host has not looked since the list was made.
+    fn len(&self, list: &Indices) -> Result<u32, GpuError> {
+        if self.seen_len(&list.header).is_none() {
+            self.look()?;
+        }
+        Ok(self.seen_len(&list.header).unwrap_or(0))
+    }
+
+    /// Records one dispatch that binds `groups`.
     fn dispatch(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>], uniforms: [&[u8]; 2], grid: Grid<'_>) {
-        let mut recorder = self.recorder.borrow_mut();
+        let groups = self.bind(pipeline, groups);
+        self.recorder.borrow_mut().dispatch(pipeline, &groups, uniforms, grid);
+    }
+
+    fn bind(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>]) -> Vec<wgpu::BindGroup> {
+        let recorder = self.recorder.borrow();
         let bind = |(layout, bound): (&wgpu::BindGroupLayout, &Vec<Bound<'_>>)| {
             let entries: Vec<_> = (0..)
                 .zip(bound)
@@ -286,8 +302,7 @@ impl Gpu {
                 entries: &entries,
             })
         };
-        let groups: Vec<_> = pipeline.layouts.iter().zip(groups).map(bind).collect();
-        recorder.dispatch(pipeline, &groups, uniforms, grid);
+        pipeline.layouts.iter().zip(groups).map(bind).collect()
     }
 
     fn bound_headers(&self) -> Bound<'_> {
@@ -322,17 +337,20 @@ impl Gpu {
         }
         let mut own = own.bound;
         own.push(output);
-        let mut run = vec![self.bound_headers(), list.bound(), Bound::Uniform, Bound::Uniform];
-        run.extend(decisions);
-        let grid = if shader.form == vivace_kernels::Form::UpdateInOrder {
-            Grid::Groups(1)
-        } else {
-            self.grid(list)
-        };
+        let mut over = vec![self.bound_headers(), list.bound(), Bound::Uniform, Bound::Uniform];
+        over.extend(decisions);
         let pipeline = self.pipelines.kernel::<K>(&self.device, shader);
-        let place = Run { list: list.header.place, ..Run::zeroed() };
-        let uniforms = [bytemuck::bytes_of(&place), bytemuck::bytes_of(uniform)];
-        self.dispatch(&pipeline, &[run, own], uniforms, grid);
+        let groups = self.bind(&pipeline, &[over, own]);
+        let mut dispatch = |value: u32, grid: Grid<'_>| {
+            let run = Run { list: list.header.place, value, ..Run::zeroed() };
+            let uniforms = [bytemuck::bytes_of(&run), bytemuck::bytes_of(uniform)];
+            self.recorder.borrow_mut().dispatch(&pipeline, &groups, uniforms, grid);
+        };
+        if shader.form == Form::UpdateInOrder {
+            (0..self.len(list)?).step_by(IN_ORDER).for_each(|first| dispatch(first, Grid::Groups(1)));
+        } else {
+            dispatch(0, self.grid(list));
+        }
         Ok(())
     }
 
@@ -467,11 +485,7 @@ impl Backend for Gpu {
 
     fn indices(&self, list: &List) -> Result<Vec<u32>, GpuError> {
         let list = list.state()?;
-        if self.seen_len(&list.header).is_none() {
-            self.look()?;
-        }
-        let len = self.seen_len(&list.header).unwrap_or(0);
-        self.download(&list.memory.buffer, len as usize)
+        self.download(&list.memory.buffer, self.len(list)? as usize)
     }
 
     fn map<K: Map>(
@@ -494,7 +508,7 @@ impl Backend for Gpu {
         self.write::<K, _>(&Shader::update::<K>(), list, uniform, inputs, state);
     }
 
-    /// One invocation does it all: for the few that a coloring leaves over.
+    /// One invocation at a time: for the few that a coloring leaves over, whose number is known since its last round.
     fn update_in_order<K: Update>(
         &self,
         list: &List,

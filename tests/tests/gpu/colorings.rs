@@ -24,6 +24,19 @@ fn first() {
             let a = in_rounds(&gpu, algorithm, &graph);
             let t = start.elapsed();
             let b = in_rounds(&Cpu::new(), algorithm, &graph);
+            if a != b {
+                let (a, b) = (a.as_ref().unwrap(), b.as_ref().unwrap());
+                println!("XX {:?} {:?}", a.stragglers, b.stragglers);
+                println!(
+                    "XX {:?}",
+                    a.colors
+                        .iter()
+                        .zip(&b.colors)
+                        .enumerate()
+                        .filter(|(_, (a, b))| a != b)
+                        .collect::<Vec<_>>()
+                );
+            }
             assert!(
                 a == b,
                 "{algorithm} {} {:?} {:?}",
