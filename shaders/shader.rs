@@ -42,6 +42,8 @@ pub struct Shader {
     pub form: Form,
     /// How many arrays the kernel reads beside the one it writes.
     pub n_inputs: usize,
+    /// Bytes of its uniform.
+    pub uniform_bytes: usize,
     parts: &'static [&'static str],
 }
 
@@ -77,7 +79,8 @@ impl Shader {
     }
 
     const fn new<K: Kernel>(form: Form) -> Self {
-        Self { name: K::NAME, form, n_inputs: K::Inputs::LEN, parts: K::WGSL }
+        let (n_inputs, uniform_bytes) = (K::Inputs::LEN, size_of::<K::Uniform>());
+        Self { name: K::NAME, form, n_inputs, uniform_bytes, parts: K::WGSL }
     }
 
     /// The text, entry point `main`.

@@ -102,8 +102,10 @@ impl Backend for Footprint {
         self.list(len)
     }
 
-    fn indices(&self, _: &FootprintList) -> Result<Vec<u32>, Infallible> {
-        self.take(Purpose::Staging, HEADERS_BYTES);
+    fn indices(&self, list: &FootprintList) -> Result<Vec<u32>, Infallible> {
+        if list.capacity > 0 {
+            self.take(Purpose::Staging, HEADERS_BYTES);
+        }
         Ok(Vec::new())
     }
 

@@ -267,6 +267,9 @@ impl Gpu {
 
     /// The length of a list. Waits for the device if the host has not looked since the list was made.
     fn len(&self, list: &Indices) -> Result<u32, GpuError> {
+        if list.capacity == 0 {
+            return Ok(0);
+        }
         if self.seen_len(&list.header).is_none() {
             self.look()?;
         }
@@ -290,7 +293,7 @@ impl Gpu {
                         Bound::Array(buffer, bytes) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                             buffer,
                             offset: 0,
-                            size: wgpu::BufferSize::new(bytes.max(4)),
+                            size: wgpu::BufferSize::new(if bytes == 0 { EMPTY_BYTES } else { bytes }),
                         }),
                         Bound::Uniform => recorder.uniform_binding(),
                     },
@@ -341,7 +344,7 @@ impl Gpu {
         over.extend(decisions);
         let pipeline = self.pipelines.kernel::<K>(&self.device, shader);
         let groups = self.bind(&pipeline, &[over, own]);
-        let mut dispatch = |value: u32, grid: Grid<'_>| {
+        let dispatch = |value: u32, grid: Grid<'_>| {
             let run = Run { list: list.header.place, value, ..Run::zeroed() };
             let uniforms = [bytemuck::bytes_of(&run), bytemuck::bytes_of(uniform)];
             self.recorder.borrow_mut().dispatch(&pipeline, &groups, uniforms, grid);
@@ -606,6 +609,9 @@ pub(crate) const FIXED_BYTES: u64 = HEADERS_BYTES + Recorder::UNIFORMS_SIZE as u
 pub(crate) fn decisions_bytes(capacity: usize) -> u64 {
     array_bytes::<[u32; 9]>(capacity.div_ceil(GROUP))
 }
+
+/// What is bound of an array without elements: a device takes no less than one of them.
+const EMPTY_BYTES: u64 = 64;
 
 /// What is bound to a binding.
 #[derive(Clone, Copy)]
