@@ -188,7 +188,7 @@ mod tests {
     fn size_classes_waste_little() {
         for bytes in [0, 1, 255, 256, 257, 1000, 4096, 4097, 1_000_000, 123_456_789, 1 << 27] {
             let size = size_class(bytes);
-            assert!(size >= bytes && size % 256 == 0 && size_class(size) == size, "{bytes}: {size}");
+            assert!(size >= bytes && size.is_multiple_of(256) && size_class(size) == size, "{bytes}: {size}");
             assert!(bytes < 4096 || size < bytes + bytes / 8, "{bytes}: {size}");
         }
         assert_eq!(size_class(1 << 27), 1 << 27);
