@@ -194,6 +194,16 @@ impl Gpu {
         self.recorder.borrow_mut().submit();
     }
 
+    /// Hands over what was recorded, and waits until it is done.
+    ///
+    /// # Errors
+    /// The device was lost.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        self.submit();
+        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+        if done.is_err() || self.lost.get().is_some() { Err(self.lost()) } else { Ok(()) }
+    }
+
     /// Memory for an array.
     fn work(&self, bytes: u64) -> Result<Allocation, GpuError> {
         self.allocate(Purpose::Work, bytes)

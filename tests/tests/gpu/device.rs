@@ -4,7 +4,8 @@ use std::process::Command;
 
 use vivace_coloring::{Algorithm, ColorOnError, Vivace};
 use vivace_gpu::{Footprint, Gpu, GpuError, wgpu};
-use vivace_kernels::Backend;
+use vivace_kernels::coloring::{DegreeWeight, IsColored, SetValue, SetValueUniform};
+use vivace_kernels::{Backend, RoundCount};
 use vivace_tests::generators::{isolated, random, star, tets};
 
 use crate::gpu;
@@ -15,9 +16,10 @@ const PAPER: Algorithm = Algorithm::Vivace(Vivace::DEFAULT);
 fn device(limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
     pollster::block_on(async {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default()).await.unwrap();
+        let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default()).await;
+        let adapter = adapter.expect("an adapter");
         let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
-        adapter.request_device(&descriptor).await.unwrap()
+        adapter.request_device(&descriptor).await.expect("a device with these limits")
     })
 }
 
@@ -73,12 +75,38 @@ fn an_array_too_large_is_refused_with_its_size_and_the_next_fits() {
     assert_eq!(PAPER.color_on(&gpu, &star(100)).unwrap(), PAPER.color(&star(100)));
 }
 
+/// What is computed from what is missing is missing for the same reason.
+#[test]
+fn failures_pass_on() {
+    let limits = wgpu::Limits { max_storage_buffer_binding_size: 1 << 16, ..wgpu::Limits::default() };
+    let (device, queue) = device(limits);
+    let gpu = Gpu::from_device(device, queue).unwrap();
+    let (too_long, too_large) = (gpu.all(20_000), gpu.filled(20_000, 0_u32));
+    let all = || gpu.all(100);
+    let (mut by_list, mut by_input) = (gpu.filled(100, 0_u32), gpu.filled(100, 0_u32));
+    gpu.map::<SetValue>(&too_long, &SetValueUniform { value: 1 }, (), &mut by_list);
+    gpu.map::<DegreeWeight>(&all(), &(), (gpu.view(&too_large),), &mut by_input);
+    let (mut by_select, mut list) = (gpu.filled(20_000, 0_u32), all());
+    let selected = gpu.select::<IsColored>(&mut list, &(), (), &mut by_select);
+    let mut left = gpu.all(20_000);
+    assert_eq!(gpu.rounds(5, &mut left, |_, _| {}), RoundCount::default());
+    let expected = Some(GpuError::TooLarge { bytes: 80_000, limit: 1 << 16 });
+    for array in [by_list, by_input, by_select, too_large] {
+        assert_eq!(gpu.read(array).err(), expected);
+    }
+    for list in [list, selected, left, too_long] {
+        assert_eq!(gpu.indices(&list).err(), expected);
+    }
+    assert!(gpu.indices(&all()).is_ok());
+}
+
 #[test]
 fn a_lost_device_is_told() {
     let gpu = gpu();
     let before = gpu.filled(100, 7_u32);
     assert!(PAPER.color_on(&gpu, &star(100)).is_ok());
     gpu.device().destroy();
+    assert!(matches!(gpu.wait(), Err(GpuError::Lost(_))));
     assert!(matches!(gpu.read(before), Err(GpuError::Lost(_))));
     for algorithm in Algorithm::ALL.into_iter().filter(Algorithm::is_seeded) {
         let error = algorithm.color_on(&gpu, &star(100)).unwrap_err();
