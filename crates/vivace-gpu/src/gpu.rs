@@ -1,6 +1,7 @@
 //! The device, and how the forms of kernels run on it.
 
 use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::sync::{Arc, OnceLock, mpsc};
 
 use bytemuck::Zeroable;
@@ -21,6 +22,12 @@ const FIRST_BATCH: u32 = 8;
 /// Elements that an invocation updates in order, as in `update_in_order.wgsl`.
 const IN_ORDER: usize = 4;
 
+/// Bind groups that are kept; more mean that array lengths have changed over and over.
+const MOST_BIND_GROUPS: usize = 1024;
+
+/// A pipeline, and the arrays bound to it with the bytes of each.
+type BindGroupKey = (wgpu::ComputePipeline, Vec<(wgpu::Buffer, u64)>);
+
 /// No batch is longer: each of its rounds keeps a header.
 const LARGEST_BATCH: u32 = 128;
 
@@ -32,6 +39,7 @@ pub struct Gpu {
     adapter: wgpu::AdapterInfo,
     pool: Arc<Pool<wgpu::Buffer>>,
     pipelines: Pipelines,
+    bind_groups: RefCell<HashMap<BindGroupKey, Vec<wgpu::BindGroup>>>,
     recorder: RefCell<Recorder>,
     /// The places of headers, and the headers.
     headers: Arc<Headers>,
@@ -136,6 +144,7 @@ impl Gpu {
             adapter: device.adapter_info(),
             pool: Arc::new(Pool::new(limits.max_storage_buffer_binding_size.min(limits.max_buffer_size))),
             pipelines: Pipelines::default(),
+            bind_groups: RefCell::default(),
             recorder: RefCell::new(Recorder::new(device.clone(), queue)),
             headers: Headers::new(),
             header_array,
@@ -176,6 +185,7 @@ impl Gpu {
 
     /// Frees what waits to be used again.
     pub fn trim(&self) {
+        self.bind_groups.borrow_mut().clear();
         self.pool.trim();
     }
 
@@ -292,7 +302,21 @@ impl Gpu {
         self.recorder.borrow_mut().dispatch(pipeline, &groups, uniforms, grid);
     }
 
+    /// Bind groups of what is bound, made once: buffers come back from the pool, so the same are asked for again and again.
     fn bind(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>]) -> Vec<wgpu::BindGroup> {
+        let arrays = groups.iter().flatten().filter_map(|bound| match *bound {
+            Bound::Array(buffer, bytes) => Some((buffer.clone(), bytes)),
+            Bound::Uniform => None,
+        });
+        let key = (pipeline.pipeline.clone(), arrays.collect());
+        let mut made = self.bind_groups.borrow_mut();
+        if made.len() > MOST_BIND_GROUPS {
+            made.clear();
+        }
+        made.entry(key).or_insert_with(|| self.bind_groups(pipeline, groups)).clone()
+    }
+
+    fn bind_groups(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>]) -> Vec<wgpu::BindGroup> {
         let recorder = self.recorder.borrow();
         let bind = |(layout, bound): (&wgpu::BindGroupLayout, &Vec<Bound<'_>>)| {
             let entries: Vec<_> = (0..)
@@ -309,11 +333,8 @@ impl Gpu {
                     },
                 })
                 .collect();
-            self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout,
-                entries: &entries,
-            })
+            let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
+            self.device.create_bind_group(&descriptor)
         };
         pipeline.layouts.iter().zip(groups).map(bind).collect()
     }
