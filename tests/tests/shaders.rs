@@ -35,8 +35,8 @@ fn access(module: &Module, group: u32, binding: u32) -> Option<StorageAccess> {
 /// What is wrong with how a kernel binds its arrays and its uniform.
 fn wrong_bindings(shader: &Shader) -> Option<String> {
     let (module, _) = parsed(shader.name, &shader.wgsl());
-    for binding in 0..=u32::try_from(shader.n_inputs).unwrap() {
-        let is_output = binding as usize == shader.n_inputs;
+    for (binding, place) in (0..).zip(0..=shader.n_inputs) {
+        let is_output = place == shader.n_inputs;
         let expected =
             if is_output { StorageAccess::LOAD | StorageAccess::STORE } else { StorageAccess::LOAD };
         // Atomics are a kind of access of their own.

@@ -22,6 +22,9 @@
 //!
 //! Everything stays inside WebGPU's default limits; only arrays may be as large as the device allows. Nothing here fails but the
 //! making of a [`Gpu`] and the reading of results: an array that did not fit, or a device that was lost, is told there.
+//!
+//! One invocation walks the whole row of its vertex. A hub with tens of thousands of neighbors makes all wait, and Mesa's software
+//! driver (seen in 22.3) silently ends the loops of an invocation after 65,535 iterations: colors of longer rows are wrong there.
 
 mod error;
 mod footprint;

@@ -48,9 +48,14 @@ fn sorted(mut values: Vec<f64>) -> Vec<f64> {
 pub(super) fn dispatches() -> Result<Table, BenchError> {
     const N_DISPATCHES: u32 = 1000;
     let mut table = Table::new("Cost of a dispatch", &["elements", "room", "grids", "us", "us_min"]);
-    for (len, room) in
-        [(0, 256), (256, 256), (0, 100_000), (100_000, 100_000), (0, 1_000_000), (1_000_000, 1_000_000)]
-    {
+    for (len, room) in [
+        (0_usize, 256_usize),
+        (256, 256),
+        (0, 100_000),
+        (100_000, 100_000),
+        (0, 1_000_000),
+        (1_000_000, 1_000_000),
+    ] {
         for grids in GRIDS {
             let gpu = Gpu::new()?.with_grids(grids);
             let mut own = gpu.filled(room, UNCOLORED);
