@@ -88,13 +88,15 @@ fn failures_pass_on() {
     gpu.map::<DegreeWeight>(&all(), &(), (gpu.view(&too_large),), &mut by_input);
     let (mut by_select, mut list) = (gpu.filled(20_000, 0_u32), all());
     let selected = gpu.select::<IsColored>(&mut list, &(), (), &mut by_select);
+    let (mut by_long_list, mut long_list) = (gpu.filled(100, 0_u32), gpu.all(20_000));
+    let of_long_list = gpu.select::<IsColored>(&mut long_list, &(), (), &mut by_long_list);
     let mut left = gpu.all(20_000);
     assert_eq!(gpu.rounds(5, &mut left, |_, _| {}), RoundCount::default());
     let expected = Some(GpuError::TooLarge { bytes: 80_000, limit: 1 << 16 });
-    for array in [by_list, by_input, by_select, too_large] {
+    for array in [by_list, by_input, by_select, by_long_list, too_large] {
         assert_eq!(gpu.read(array).err(), expected);
     }
-    for list in [list, selected, left, too_long] {
+    for list in [list, selected, long_list, of_long_list, left, too_long] {
         assert_eq!(gpu.indices(&list).err(), expected);
     }
     assert!(gpu.indices(&all()).is_ok());
