@@ -103,7 +103,7 @@ fn relaxed<B: Backend>(backend: &B, width: usize, n_sweeps: u32) -> Result<Vec<[
     let coloring = color(&graph);
     let n = graph.n_vertices();
     let mut random = Random::new(5);
-    let mut unit = || random.unit() as f32;
+    let mut unit = || f32::from(u16::try_from(random.below(1 << 16)).expect("below 2^16")) / 65536.0;
     let mut taps = Vec::new();
     let (mut anchors, mut inverse_diagonal, mut positions) = (Vec::new(), Vec::new(), Vec::new());
     for v in (0..).take(n) {
