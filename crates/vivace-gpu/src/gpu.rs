@@ -115,7 +115,9 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Takes the caller's device and queue, beside whatever else the caller does with them.
+    /// Takes the caller's device and queue, beside whatever else the caller does with them. Faster where their instance was made
+    /// without `wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL`, which adds a dispatch to each indirect one. Whether the device is
+    /// lost, the caller's own callback tells first; here it shows in what is read.
     ///
     /// # Errors
     /// A limit of the device is below what the kernels take.

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use vivace_coloring::{Algorithm, ColorOnError, Vivace};
-use vivace_gpu::{Footprint, Gpu, GpuError, wgpu};
+use vivace_gpu::{Buffer, Footprint, Gpu, GpuError, List, wgpu};
 use vivace_kernels::coloring::{DegreeWeight, IsColored, SetValue, SetValueUniform};
 use vivace_kernels::{Backend, RoundCount};
 use vivace_tests::generators::{isolated, random, star, tets};
@@ -50,6 +50,16 @@ fn the_callers_device_does() {
     let gpu = Gpu::from_device(device, queue).unwrap();
     assert_eq!(PAPER.color_on(&gpu, &graph).unwrap(), PAPER.color(&graph));
     assert_eq!(gpu.is_software(), gpu.adapter().device_type == wgpu::DeviceType::Cpu);
+}
+
+/// A device may move to another thread, and arrays may be shared.
+#[test]
+fn threads_may_own_devices() {
+    fn send<T: Send>() {}
+    fn sync<T: Sync>() {}
+    send::<Gpu>();
+    send::<List>();
+    sync::<Buffer<u32>>();
 }
 
 #[test]
