@@ -6,7 +6,12 @@ use crate::{CountDown, Element, Map, Memory, Select, Update, Views};
 ///
 /// A *list* is a set of element indices, the domain of every run: the uncolored vertices, one color class. Its length may be
 /// known to a device only, so a schedule says "until empty" ([`Backend::rounds`]) instead of looking.
+///
+/// A schedule cannot fail. What a device could not do (no memory, device lost) is remembered by the array or list that lacks it,
+/// passes on to whatever is computed from that, and comes out where data reach the host: [`Backend::read`], [`Backend::indices`].
 pub trait Backend {
+    /// What can go wrong; [`std::convert::Infallible`] on the host.
+    type Error: std::error::Error + Send + Sync + 'static;
     /// Where arrays live.
     type Memory: Memory;
     /// An array of `T`, owned.
@@ -17,14 +22,26 @@ pub trait Backend {
     /// An array of `len` times `value`.
     fn filled<T: Element>(&self, len: usize, value: T) -> Self::Buffer<T>;
 
+    /// An array that holds a copy of `data`.
+    fn upload<T: Element>(&self, data: &[T]) -> Self::Buffer<T>;
+
     /// A view of an array.
     fn view<'a, T: Element>(&self, buffer: &'a Self::Buffer<T>) -> View<'a, Self, T>;
 
     /// The array, on the host.
-    fn read<T: Element>(&self, buffer: Self::Buffer<T>) -> Vec<T>;
+    ///
+    /// # Errors
+    /// What went wrong in computing it or on its way.
+    fn read<T: Element>(&self, buffer: Self::Buffer<T>) -> Result<Vec<T>, Self::Error>;
 
     /// The list of all indices below `len`.
     fn all(&self, len: usize) -> Self::List;
+
+    /// The indices of a list on the host, ascending.
+    ///
+    /// # Errors
+    /// What went wrong in computing it or on its way.
+    fn indices(&self, list: &Self::List) -> Result<Vec<u32>, Self::Error>;
 
     /// Writes element `i` of `output` for each `i` in `list`.
     fn map<K: Map>(

@@ -30,8 +30,11 @@ impl Memory for Host {
 /// One kernel: a function of an index, a few parameters and some read-only arrays. It comes in four forms, by what it writes:
 /// [`Map`], [`Update`], [`Select`], [`CountDown`].
 pub trait Kernel: 'static {
-    /// The kernel's one name: file stem, function, entry point, row in a timing table.
+    /// The kernel's one name: file stem, label, row in a timing table.
     const NAME: &'static str;
+    /// The function's twin in WGSL, in parts that are joined: what kernels share, then its own file. [`crate::Form`] says how it is
+    /// called there and what it binds.
+    const WGSL: &'static [&'static str];
     /// Parameters, the same for every invocation; `()` where there are none.
     type Uniform: Element;
     /// Element types of the read-only arrays: a tuple, in binding order.
@@ -81,6 +84,8 @@ pub type HostViews<'a, K> = Views<'a, K, Host>;
 
 /// A tuple of element types, one for each array that a kernel reads.
 pub trait Inputs: 'static {
+    /// How many there are.
+    const LEN: usize;
     /// The tuple of views.
     type Views<'a, M: Memory>: Copy + Send + Sync;
 
@@ -97,6 +102,7 @@ pub trait ViewVisitor<'a, M: Memory> {
 macro_rules! inputs {
     ($($element:ident $view:ident),*) => {
         impl<$($element: Element),*> Inputs for ($($element,)*) {
+            const LEN: usize = 0 $(+ { let $view = 1; $view })*;
             type Views<'a, M: Memory> = ($(M::View<'a, $element>,)*);
 
             #[allow(unused_variables, clippy::unused_unit, reason = "the empty tuple")]

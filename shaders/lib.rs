@@ -4,10 +4,12 @@
 //! what it likes and writes element `i` of one array, so neither the number of threads nor their order can show in a result.
 //! Randomness is a hash of (seed, round, vertex), see [`pcg`]; no generator state passes from vertex to vertex.
 //!
-//! The Rust function here is the definition of its kernel: plain loops over `u32` and `f32`, nothing that WGSL could not say.
+//! The Rust function here is the definition of its kernel: plain loops over `u32` and `f32`, nothing that WGSL could not say. Its
+//! twin for a device stands beside it under the same name, `<name>.wgsl`, and the tests hold the two to the same answers.
 
 mod backend;
 mod kernel;
+mod shader;
 
 #[path = "coloring/mod.rs"]
 pub mod coloring;
@@ -24,3 +26,4 @@ pub use backend::{Backend, RoundCount, View};
 pub use kernel::{
     CountDown, Element, Host, HostViews, Inputs, Kernel, Map, Memory, Select, Update, ViewVisitor, Views,
 };
+pub use shader::{Form, ListShader, Shader};

@@ -5,7 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::row;
-use crate::pcg::hash;
+use crate::pcg::{self, hash};
 use crate::{HostViews, Kernel, Select};
 
 /// The vertices of the list whose proposal stands, which becomes their color; reads (offsets, neighbors, proposal).
@@ -31,6 +31,7 @@ pub struct AcceptColorUniform {
 
 impl Kernel for AcceptColor {
     const NAME: &'static str = "accept_color";
+    const WGSL: &'static [&'static str] = &[pcg::WGSL, include_str!("accept_color.wgsl")];
     type Uniform = AcceptColorUniform;
     type Inputs = (u32, u32, u32);
 }

@@ -8,6 +8,7 @@ pub struct DegreeWeight;
 
 impl Kernel for DegreeWeight {
     const NAME: &'static str = "degree_weight";
+    const WGSL: &'static [&'static str] = &[include_str!("degree_weight.wgsl")];
     type Uniform = ();
     type Inputs = (u32,);
 }

@@ -9,6 +9,7 @@ pub struct FirstFit;
 
 impl Kernel for FirstFit {
     const NAME: &'static str = "first_fit";
+    const WGSL: &'static [&'static str] = &[super::WGSL, include_str!("first_fit.wgsl")];
     type Uniform = ();
     type Inputs = (u32, u32);
 }

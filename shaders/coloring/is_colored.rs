@@ -9,6 +9,7 @@ pub struct IsColored;
 
 impl Kernel for IsColored {
     const NAME: &'static str = "is_colored";
+    const WGSL: &'static [&'static str] = &[include_str!("is_colored.wgsl")];
     type Uniform = ();
     type Inputs = ();
 }

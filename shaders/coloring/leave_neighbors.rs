@@ -9,6 +9,7 @@ pub struct LeaveNeighbors;
 
 impl Kernel for LeaveNeighbors {
     const NAME: &'static str = "leave_neighbors";
+    const WGSL: &'static [&'static str] = &[include_str!("leave_neighbors.wgsl")];
     type Uniform = ();
     type Inputs = (u32, u32);
 }

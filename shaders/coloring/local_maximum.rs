@@ -7,7 +7,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::row;
-use crate::pcg::hash;
+use crate::pcg::{self, hash};
 use crate::{HostViews, Kernel, Select};
 
 /// The vertices of the list that are local maxima; reads (offsets, neighbors, weight) and remembers, in an array that began as
@@ -25,6 +25,7 @@ pub struct LocalMaximumUniform {
 
 impl Kernel for LocalMaximum {
     const NAME: &'static str = "local_maximum";
+    const WGSL: &'static [&'static str] = &[pcg::WGSL, include_str!("local_maximum.wgsl")];
     type Uniform = LocalMaximumUniform;
     type Inputs = (u32, u32, u32);
 }

@@ -12,6 +12,8 @@ mod random_weight;
 mod set_value;
 mod take_color;
 
+use crate::Shader;
+
 pub use accept_color::{AcceptColor, AcceptColorUniform, CONFLICT_HASH, CONFLICT_INDEX, CONFLICT_NONE};
 pub use degree_weight::DegreeWeight;
 pub use first_fit::FirstFit;
@@ -23,6 +25,25 @@ pub use propose_color::{ProposeColor, ProposeColorUniform};
 pub use random_weight::{RandomWeight, RandomWeightUniform};
 pub use set_value::{SetValue, SetValueUniform};
 pub use take_color::{TakeColor, TakeColorUniform};
+
+/// Every kernel of this module in every form that the colorings use.
+pub const SHADERS: [Shader; 12] = [
+    Shader::select::<AcceptColor>(),
+    Shader::map::<DegreeWeight>(),
+    Shader::update::<FirstFit>(),
+    Shader::update_in_order::<FirstFit>(),
+    Shader::select::<IsColored>(),
+    Shader::count_down::<LeaveNeighbors>(),
+    Shader::select::<LocalMaximum>(),
+    Shader::select::<NeighborHasColor>(),
+    Shader::map::<ProposeColor>(),
+    Shader::map::<RandomWeight>(),
+    Shader::map::<SetValue>(),
+    Shader::update_in_order::<TakeColor>(),
+];
+
+/// The functions of this module in WGSL, for kernels that bind `offsets`, `neighbors` and `color`.
+const WGSL: &str = include_str!("mod.wgsl");
 
 /// The color of a vertex that has none yet.
 pub const UNCOLORED: u32 = u32::MAX;

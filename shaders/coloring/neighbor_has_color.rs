@@ -19,6 +19,7 @@ pub struct NeighborHasColorUniform {
 
 impl Kernel for NeighborHasColor {
     const NAME: &'static str = "neighbor_has_color";
+    const WGSL: &'static [&'static str] = &[include_str!("neighbor_has_color.wgsl")];
     type Uniform = NeighborHasColorUniform;
     type Inputs = (u32, u32, u32);
 }

@@ -8,7 +8,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::{first_free_color, row, used_colors};
-use crate::pcg::hash;
+use crate::pcg::{self, hash};
 use crate::{HostViews, Kernel, Map};
 
 /// Proposal of each vertex of the list; reads (offsets, neighbors, color).
@@ -38,6 +38,7 @@ impl ProposeColorUniform {
 
 impl Kernel for ProposeColor {
     const NAME: &'static str = "propose_color";
+    const WGSL: &'static [&'static str] = &[pcg::WGSL, super::WGSL, include_str!("propose_color.wgsl")];
     type Uniform = ProposeColorUniform;
     type Inputs = (u32, u32, u32);
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::pcg::hash;
+use crate::pcg::{self, hash};
 use crate::{HostViews, Kernel, Map};
 
 /// Weight of each vertex of the list, never 0; reads no array.
@@ -19,6 +19,7 @@ pub struct RandomWeightUniform {
 
 impl Kernel for RandomWeight {
     const NAME: &'static str = "random_weight";
+    const WGSL: &'static [&'static str] = &[pcg::WGSL, include_str!("random_weight.wgsl")];
     type Uniform = RandomWeightUniform;
     type Inputs = ();
 }

@@ -18,6 +18,7 @@ pub struct SetValueUniform {
 
 impl Kernel for SetValue {
     const NAME: &'static str = "set_value";
+    const WGSL: &'static [&'static str] = &[include_str!("set_value.wgsl")];
     type Uniform = SetValueUniform;
     type Inputs = ();
 }

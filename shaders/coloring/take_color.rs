@@ -11,6 +11,7 @@ pub struct TakeColor;
 
 impl Kernel for TakeColor {
     const NAME: &'static str = "take_color";
+    const WGSL: &'static [&'static str] = &[include_str!("take_color.wgsl")];
     type Uniform = TakeColorUniform;
     type Inputs = (u32, u32);
 }

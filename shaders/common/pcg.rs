@@ -3,6 +3,9 @@
 //! The 32-bit PCG permutation (O'Neill 2014, RXS-M-XS; as a hash: Jarzynski and Olano 2020). It is a bijection, so under one key
 //! no two vertices have the same hash, and "the larger hash wins" never ties.
 
+/// The same in WGSL.
+pub const WGSL: &str = include_str!("pcg.wgsl");
+
 /// The permutation.
 #[inline]
 #[must_use]

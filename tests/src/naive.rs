@@ -5,10 +5,9 @@
 //! would differ when done in place, and is refused.
 
 use std::collections::BTreeSet;
+use std::convert::Infallible;
 
-use vivace_coloring::{
-    Algorithm, ConstraintGraph, GraphView, RoundColoring, jones_plassmann, largest_degree_first, luby, vivace,
-};
+use vivace_coloring::{Algorithm, ConstraintGraph, GraphView, RoundColoring};
 use vivace_kernels::{
     Backend, CountDown, Element, Host, Kernel, Map, RoundCount, Select, Update, View, Views,
 };
@@ -63,6 +62,7 @@ fn same<T: Element>(a: &[T], b: &[T]) -> bool {
 }
 
 impl Backend for Naive {
+    type Error = Infallible;
     type Memory = Host;
     type Buffer<T: Element> = Vec<T>;
     type List = BTreeSet<u32>;
@@ -71,16 +71,24 @@ impl Backend for Naive {
         vec![value; len]
     }
 
+    fn upload<T: Element>(&self, data: &[T]) -> Vec<T> {
+        data.to_vec()
+    }
+
     fn view<'a, T: Element>(&self, buffer: &'a Vec<T>) -> View<'a, Self, T> {
         buffer
     }
 
-    fn read<T: Element>(&self, buffer: Vec<T>) -> Vec<T> {
-        buffer
+    fn read<T: Element>(&self, buffer: Vec<T>) -> Result<Vec<T>, Infallible> {
+        Ok(buffer)
     }
 
     fn all(&self, len: usize) -> BTreeSet<u32> {
         (0..to_u32(len)).collect()
+    }
+
+    fn indices(&self, list: &BTreeSet<u32>) -> Result<Vec<u32>, Infallible> {
+        Ok(list.iter().copied().collect())
     }
 
     fn map<K: Map>(
@@ -189,20 +197,20 @@ pub struct Rounds {
     pub stragglers: Vec<u32>,
 }
 
-/// Runs a round-based algorithm on any backend in the host's memory; `None` for a serial one. `indices` lists a list.
-pub fn in_rounds<B: Backend<Memory = Host>>(
-    backend: &B,
-    algorithm: Algorithm,
-    graph: &ConstraintGraph,
-    indices: impl FnOnce(&B::List) -> Vec<u32>,
-) -> Option<Rounds> {
-    let view = GraphView::of(graph);
-    let RoundColoring { colors, count, stragglers } = match algorithm {
-        Algorithm::Luby { seed } => luby(backend, view, seed),
-        Algorithm::JonesPlassmann { seed } => jones_plassmann(backend, view, seed),
-        Algorithm::LargestDegreeFirst { seed } => largest_degree_first(backend, view, seed),
-        Algorithm::Vivace(options) => vivace(backend, view, &options),
-        _ => return None,
+/// Runs a round-based algorithm on any backend; `None` for a serial one.
+///
+/// # Panics
+/// When the device fails.
+pub fn in_rounds<B: Backend>(backend: &B, algorithm: Algorithm, graph: &ConstraintGraph) -> Option<Rounds> {
+    let csr = graph.csr();
+    let (offsets, neighbors) = (backend.upload(csr.offsets()), backend.upload(csr.items()));
+    let view = GraphView {
+        offsets: backend.view(&offsets),
+        neighbors: backend.view(&neighbors),
+        n_vertices: graph.n_vertices(),
+        n_neighbors: csr.len(),
     };
-    Some(Rounds { stragglers: indices(&stragglers), count, colors: backend.read(colors) })
+    let RoundColoring { colors, count, stragglers } = algorithm.run(backend, view)?;
+    let stragglers = backend.indices(&stragglers).expect("a device that works");
+    Some(Rounds { stragglers, count, colors: backend.read(colors).expect("a device that works") })
 }

@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use xtask::commands::{
-    CommandError, bench_coloring, bench_simulation, color, extremes, fuzz, inspect, reproduce_figures,
-    simulate, test, tradeoff,
+    CommandError, bench_coloring, bench_gpu, bench_simulation, color, extremes, fuzz, inspect,
+    reproduce_figures, simulate, test, tradeoff,
 };
 
 /// Vivace's chores: the checks of the project, and tools for meshes and graphs of your own.
@@ -25,6 +25,7 @@ enum Command {
     Inspect(inspect::Args),
     Color(color::Args),
     BenchColoring(bench_coloring::Args),
+    BenchGpu(bench_gpu::Args),
     BenchSimulation(bench_simulation::Args),
     Extremes(extremes::Args),
     Fuzz(fuzz::Args),
@@ -51,6 +52,7 @@ fn run(command: Command) -> Result<(), CommandError> {
         Command::Inspect(args) => inspect::run(args),
         Command::Color(args) => color::run(args),
         Command::BenchColoring(args) => bench_coloring::run(args),
+        Command::BenchGpu(args) => bench_gpu::run(args),
         Command::BenchSimulation(args) => bench_simulation::run(args),
         Command::Extremes(args) => extremes::run(args),
         Command::Fuzz(args) => fuzz::run(args),

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use vivace_cpu::Cpu;
 use vivace_graph::ConstraintGraph;
+use vivace_kernels::Backend;
 
 use crate::{
     Coloring, GraphView, Order, RoundColoring, Vivace, blocked_first_fit, dsatur, first_fit, jones_plassmann,
@@ -120,33 +121,100 @@ impl Algorithm {
     /// Colors `graph` on the CPU, in the rayon pool it is called in.
     #[must_use]
     pub fn color(&self, graph: &ConstraintGraph) -> Outcome {
-        let serial = |coloring: Coloring| Outcome {
-            rounds: u32::from(graph.n_vertices() > 0),
-            visits: graph.n_vertices() as u64,
-            stragglers: 0,
-            coloring,
-        };
-        let view = GraphView::of(graph);
-        let cpu = Cpu::new();
-        let in_rounds = |run: &(dyn Fn() -> RoundColoring<Cpu> + Sync)| {
-            let RoundColoring { colors, count, stragglers } = cpu.enter(run);
-            Outcome {
-                coloring: Coloring::compacted(colors),
-                rounds: count.rounds,
-                visits: count.visits,
-                stragglers: crate::certificate::index(stragglers.len()),
+        let coloring = match *self {
+            Self::BlockedFirstFit => blocked_first_fit(graph),
+            Self::FirstFit(order) => first_fit(graph, order),
+            Self::Dsatur => dsatur(graph),
+            Self::Luby { .. }
+            | Self::JonesPlassmann { .. }
+            | Self::LargestDegreeFirst { .. }
+            | Self::Vivace(_) => {
+                let cpu = Cpu::new();
+                let Ok(outcome) = cpu.enter(|| self.outcome(&cpu, GraphView::of(graph)));
+                return outcome.expect("it runs in rounds");
             }
         };
+        let rounds = u32::from(graph.n_vertices() > 0);
+        Outcome { rounds, visits: graph.n_vertices() as u64, stragglers: 0, coloring }
+    }
+
+    /// Colors `graph` on `backend`, for example a GPU. The answer is that of [`Algorithm::color`], bit for bit.
+    ///
+    /// ```
+    /// use vivace_coloring::{Algorithm, ConstraintGraph, Vivace};
+    /// use vivace_cpu::Cpu;
+    ///
+    /// let graph = ConstraintGraph::from_edges(3, &[[0, 1], [1, 2]])?;
+    /// let algorithm = Algorithm::Vivace(Vivace::DEFAULT);
+    /// // In place of `Cpu::serial()`, `vivace_gpu::Gpu::new()?` takes it to a GPU.
+    /// assert_eq!(algorithm.color_on(&Cpu::serial(), &graph)?, algorithm.color(&graph));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The algorithm does not run in rounds, or the device failed.
+    pub fn color_on<B: Backend>(
+        &self,
+        backend: &B,
+        graph: &ConstraintGraph,
+    ) -> Result<Outcome, ColorOnError<B::Error>> {
+        let csr = graph.csr();
+        let (offsets, neighbors) = (backend.upload(csr.offsets()), backend.upload(csr.items()));
+        let view = GraphView {
+            offsets: backend.view(&offsets),
+            neighbors: backend.view(&neighbors),
+            n_vertices: graph.n_vertices(),
+            n_neighbors: csr.len(),
+        };
+        self.outcome(backend, view)?.ok_or(ColorOnError::NotInRounds(*self))
+    }
+
+    /// Goes through the motions of [`Algorithm::color_on`] for a graph of this size: what `vivace_gpu::Footprint` measures.
+    pub fn rehearse<B: Backend>(&self, backend: &B, n_vertices: usize, n_edges: usize) {
+        let (offsets, neighbors) = (backend.filled(n_vertices + 1, 0), backend.filled(2 * n_edges, 0));
+        let (offsets, neighbors) = (backend.view(&offsets), backend.view(&neighbors));
+        let graph = GraphView { offsets, neighbors, n_vertices, n_neighbors: 2 * n_edges };
+        // Nobody asks for the outcome.
+        drop(self.outcome(backend, graph));
+    }
+
+    /// Colors a graph where it lies and leaves the colors there; `None` for an algorithm that does not run in rounds.
+    pub fn run<B: Backend>(&self, backend: &B, graph: GraphView<'_, B::Memory>) -> Option<RoundColoring<B>> {
         match *self {
-            Self::BlockedFirstFit => serial(blocked_first_fit(graph)),
-            Self::FirstFit(order) => serial(first_fit(graph, order)),
-            Self::Dsatur => serial(dsatur(graph)),
-            Self::Luby { seed } => in_rounds(&|| luby(&cpu, view, seed)),
-            Self::JonesPlassmann { seed } => in_rounds(&|| jones_plassmann(&cpu, view, seed)),
-            Self::LargestDegreeFirst { seed } => in_rounds(&|| largest_degree_first(&cpu, view, seed)),
-            Self::Vivace(options) => in_rounds(&|| vivace(&cpu, view, &options)),
+            Self::BlockedFirstFit | Self::FirstFit(_) | Self::Dsatur => None,
+            Self::Luby { seed } => Some(luby(backend, graph, seed)),
+            Self::JonesPlassmann { seed } => Some(jones_plassmann(backend, graph, seed)),
+            Self::LargestDegreeFirst { seed } => Some(largest_degree_first(backend, graph, seed)),
+            Self::Vivace(options) => Some(vivace(backend, graph, &options)),
         }
     }
+
+    fn outcome<B: Backend>(
+        &self,
+        backend: &B,
+        graph: GraphView<'_, B::Memory>,
+    ) -> Result<Option<Outcome>, B::Error> {
+        let Some(RoundColoring { colors, count, stragglers }) = self.run(backend, graph) else {
+            return Ok(None);
+        };
+        Ok(Some(Outcome {
+            coloring: Coloring::compacted(backend.read(colors)?),
+            rounds: count.rounds,
+            visits: count.visits,
+            stragglers: crate::certificate::index(backend.indices(&stragglers)?.len()),
+        }))
+    }
+}
+
+/// Why [`Algorithm::color_on`] made no coloring.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ColorOnError<E> {
+    /// The algorithm colors one vertex after another, or one block.
+    #[error("{0} does not run in rounds, so it runs on the CPU only: take `Algorithm::color`")]
+    NotInRounds(Algorithm),
+    /// The device failed.
+    #[error(transparent)]
+    Backend(#[from] E),
 }
 
 impl fmt::Display for Algorithm {

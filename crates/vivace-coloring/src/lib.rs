@@ -42,7 +42,7 @@ mod reduce;
 mod rounds;
 mod serial;
 
-pub use algorithm::{Algorithm, Outcome, UnknownAlgorithm, color};
+pub use algorithm::{Algorithm, ColorOnError, Outcome, UnknownAlgorithm, color};
 pub use balance::{Balanced, balance};
 pub use certificate::{Certificate, Violation};
 pub use coloring::{Coloring, Partitions};

@@ -5,6 +5,8 @@
 
 mod list;
 
+use std::convert::Infallible;
+
 use rayon::prelude::*;
 use vivace_kernels::{Backend, CountDown, Element, Host, Map, RoundCount, Select, Update, View, Views};
 
@@ -49,6 +51,7 @@ impl Default for Cpu {
 }
 
 impl Backend for Cpu {
+    type Error = Infallible;
     type Memory = Host;
     type Buffer<T: Element> = Vec<T>;
     type List = List;
@@ -57,16 +60,24 @@ impl Backend for Cpu {
         vec![value; len]
     }
 
+    fn upload<T: Element>(&self, data: &[T]) -> Vec<T> {
+        data.to_vec()
+    }
+
     fn view<'a, T: Element>(&self, buffer: &'a Vec<T>) -> View<'a, Self, T> {
         buffer
     }
 
-    fn read<T: Element>(&self, buffer: Vec<T>) -> Vec<T> {
-        buffer
+    fn read<T: Element>(&self, buffer: Vec<T>) -> Result<Vec<T>, Infallible> {
+        Ok(buffer)
     }
 
     fn all(&self, len: usize) -> List {
         List::all(len)
+    }
+
+    fn indices(&self, list: &List) -> Result<Vec<u32>, Infallible> {
+        Ok(list.indices().to_vec())
     }
 
     fn map<K: Map>(

@@ -7,7 +7,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use vivace_coloring::{
     Algorithm, Certificate, ConflictRule, Order, Outcome, ROUND_LIMIT, Vivace, color, first_fit,
 };
-use vivace_cpu::{Cpu, List};
+use vivace_cpu::Cpu;
 use vivace_graph::ConstraintGraph;
 use vivace_tests::generators::{
     clique, complete_bipartite, empty, isolated, random, regular_hinge_cloth, star, wheel, with_hubs,
@@ -115,7 +115,7 @@ fn threads_do_not_show(graph: &ConstraintGraph, algorithm: Algorithm) {
     assert_eq!(two.install(|| algorithm.color(graph)), expected, "{algorithm}");
     assert_eq!(seven.install(|| algorithm.color(graph)), expected, "{algorithm}");
     assert_eq!(algorithm.color(graph), expected, "{algorithm} outside any pool");
-    let on = |cpu: Cpu| in_rounds(&cpu, algorithm, graph, |list: &List| list.indices().to_vec());
+    let on = |cpu: Cpu| in_rounds(&cpu, algorithm, graph);
     assert_eq!(on(Cpu::serial()), seven.install(|| on(Cpu::new())), "{algorithm}");
 }
 

@@ -5,7 +5,7 @@ use vivace_coloring::{
     Algorithm, Certificate, ConflictRule, GraphView, Order, Vivace, blocked_first_fit, dsatur, first_fit,
     jones_plassmann,
 };
-use vivace_cpu::{Cpu, List};
+use vivace_cpu::Cpu;
 use vivace_graph::{ConstraintGraph, smallest_last};
 use vivace_tests::generators::{clique, random, regular_cloth, star, tets, wheel};
 use vivace_tests::naive::{Fault, Naive, Rounds, in_rounds};
@@ -15,11 +15,11 @@ use vivace_tests::workloads::{Workload, shared};
 use crate::arbitrary::{any_graph, any_round_based, large_graph, random_graph};
 
 fn on_cpu(algorithm: Algorithm, graph: &ConstraintGraph) -> Option<Rounds> {
-    in_rounds(&Cpu::new(), algorithm, graph, |list: &List| list.indices().to_vec())
+    in_rounds(&Cpu::new(), algorithm, graph)
 }
 
 fn on_naive(fault: Option<Fault>, algorithm: Algorithm, graph: &ConstraintGraph) -> Option<Rounds> {
-    in_rounds(&Naive { fault }, algorithm, graph, |list| list.iter().copied().collect())
+    in_rounds(&Naive { fault }, algorithm, graph)
 }
 
 proptest! {

@@ -1,6 +1,7 @@
 //! One file for each command: its arguments, and `run`.
 
 pub mod bench_coloring;
+pub mod bench_gpu;
 pub mod bench_simulation;
 pub mod color;
 pub mod extremes;

@@ -77,7 +77,7 @@ pub(super) fn check_components(cargo: &str) -> Result<(), CommandError> {
 /// and how to get it.
 ///
 /// # Errors
-/// An installation that fails. A missing adapter alone is none: nothing needs one yet.
+/// An installation that fails. A missing adapter alone is none: the tests that need one say so.
 pub(super) fn vulkan(install: bool) -> Result<(), CommandError> {
     let Some(found) = Vulkan::find() else { return Ok(()) };
     if found.is_complete() {
@@ -119,11 +119,9 @@ pub(super) fn vulkan(install: bool) -> Result<(), CommandError> {
     }
 }
 
-/// Nothing of this version needs the adapter, so its lack is told and no more.
+/// The tests that need the adapter fail by themselves, after all that does not.
 fn note(text: &str) -> Result<(), CommandError> {
-    output::print(&format!(
-        "note: {text}\nnote: no test needs a Vulkan adapter yet, so this goes on without\n"
-    ))
+    output::print(&format!("note: {text}\nnote: without a Vulkan adapter the tests of the GPU will fail\n"))
 }
 
 /// How commands get to change the system.

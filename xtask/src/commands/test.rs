@@ -91,6 +91,10 @@ impl Step {
             let own = std::env::var("RUSTDOCFLAGS").unwrap_or_default();
             command.env("RUSTDOCFLAGS", format!("{own} {}", self.rustdoc_flags).trim_start());
         }
+        // Mesa's driver asks for it, and complains where it is not set.
+        if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+            command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
+        }
         let status = command.status();
         let status = status.map_err(|error| CommandError::Failed(format!("cannot run {cargo}: {error}")))?;
         Ok(status.success())

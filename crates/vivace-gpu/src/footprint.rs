@@ -1,0 +1,180 @@
+//! How much memory an algorithm takes on a device, found by running its schedule without one.
+
+use std::convert::Infallible;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use vivace_kernels::{Backend, CountDown, Element, Map, Memory, RoundCount, Select, Update, View, Views};
+
+use crate::GpuError;
+use crate::gpu::{FIXED_BYTES, HEADERS_BYTES, decisions_bytes};
+use crate::memory::{Allocation, Pool, Purpose, array_bytes};
+
+/// A [`Backend`] that computes nothing and counts the bytes that [`crate::Gpu`] would allocate: it has the same pool, without
+/// buffers in it.
+///
+/// ```
+/// use vivace_coloring::{Algorithm, Vivace};
+/// use vivace_gpu::Footprint;
+///
+/// let algorithm = Algorithm::Vivace(Vivace::DEFAULT);
+/// let bytes = Footprint::of(|device| algorithm.rehearse(device, 1_000_000, 3_000_000));
+/// assert!(bytes < 60_000_000);
+/// ```
+pub struct Footprint {
+    pool: Arc<Pool<()>>,
+}
+
+impl Footprint {
+    /// Bytes that a fresh [`crate::Gpu`] has allocated after `schedule`. Loops over rounds are taken to run, and to end before their
+    /// limit.
+    pub fn of<R>(schedule: impl FnOnce(&Self) -> R) -> u64 {
+        let footprint = Self { pool: Arc::new(Pool::new(u64::MAX)) };
+        drop(schedule(&footprint));
+        FIXED_BYTES + footprint.pool.allocated()
+    }
+
+    fn take(&self, purpose: Purpose, bytes: u64) -> Allocation<()> {
+        let taken = self.pool.take(purpose, bytes, |_, _| Ok::<_, GpuError>(()));
+        taken.unwrap_or_else(|error| unreachable!("no limit, no device: {error}"))
+    }
+
+    fn list(&self, capacity: usize) -> FootprintList {
+        FootprintList { _memory: Arc::new(self.take(Purpose::Work, array_bytes::<u32>(capacity))), capacity }
+    }
+
+    fn array<T: Element>(&self, len: usize) -> FootprintBuffer<T> {
+        let memory = self.take(Purpose::Work, array_bytes::<T>(len));
+        FootprintBuffer { _memory: memory, len, element: PhantomData }
+    }
+}
+
+/// No memory at all.
+#[derive(Debug)]
+pub struct NoMemory;
+
+impl Memory for NoMemory {
+    type View<'a, T: Element> = ();
+
+    fn shorten<'short, 'long: 'short, T: Element>((): ()) {}
+}
+
+/// The size of an array.
+pub struct FootprintBuffer<T> {
+    _memory: Allocation<()>,
+    len: usize,
+    element: PhantomData<T>,
+}
+
+/// The size of a list.
+#[derive(Clone)]
+pub struct FootprintList {
+    _memory: Arc<Allocation<()>>,
+    capacity: usize,
+}
+
+type NoViews<'a, K> = Views<'a, K, NoMemory>;
+
+impl Backend for Footprint {
+    type Error = Infallible;
+    type Memory = NoMemory;
+    type Buffer<T: Element> = FootprintBuffer<T>;
+    type List = FootprintList;
+
+    fn filled<T: Element>(&self, len: usize, _: T) -> FootprintBuffer<T> {
+        self.array(len)
+    }
+
+    fn upload<T: Element>(&self, data: &[T]) -> FootprintBuffer<T> {
+        self.array(data.len())
+    }
+
+    fn view<'a, T: Element>(&self, _: &'a FootprintBuffer<T>) -> View<'a, Self, T> {}
+
+    fn read<T: Element>(&self, buffer: FootprintBuffer<T>) -> Result<Vec<T>, Infallible> {
+        if buffer.len > 0 {
+            self.take(Purpose::Staging, array_bytes::<T>(buffer.len));
+        }
+        Ok(Vec::new())
+    }
+
+    fn all(&self, len: usize) -> FootprintList {
+        self.list(len)
+    }
+
+    fn indices(&self, list: &FootprintList) -> Result<Vec<u32>, Infallible> {
+        if list.capacity > 0 {
+            self.take(Purpose::Staging, HEADERS_BYTES);
+        }
+        Ok(Vec::new())
+    }
+
+    fn map<K: Map>(
+        &self,
+        _: &FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        _: &mut FootprintBuffer<K::Output>,
+    ) {
+    }
+
+    fn update<K: Update>(
+        &self,
+        _: &FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        _: &mut FootprintBuffer<K::State>,
+    ) {
+    }
+
+    fn update_in_order<K: Update>(
+        &self,
+        _: &FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        _: &mut FootprintBuffer<K::State>,
+    ) {
+    }
+
+    fn select<K: Select>(
+        &self,
+        list: &mut FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        _: &mut FootprintBuffer<K::Output>,
+    ) -> FootprintList {
+        let _decisions = self.take(Purpose::Work, decisions_bytes(list.capacity));
+        let (kept, selected) = (self.list(list.capacity), self.list(list.capacity));
+        *list = kept;
+        selected
+    }
+
+    fn count_down<K: CountDown>(
+        &self,
+        _: &FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        _: &mut FootprintBuffer<u32>,
+    ) {
+    }
+
+    /// Three rounds: from then on, what a round takes lies in the pool.
+    fn rounds(
+        &self,
+        limit: u32,
+        list: &mut FootprintList,
+        mut round: impl FnMut(u32, &mut FootprintList),
+    ) -> RoundCount {
+        if list.capacity > 0 {
+            (0..limit.min(3)).for_each(|next| round(next, list));
+            self.take(Purpose::Staging, HEADERS_BYTES);
+        }
+        RoundCount::default()
+    }
+}
+
+impl std::fmt::Debug for Footprint {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Footprint").field("allocated", &self.pool.allocated()).finish()
+    }
+}

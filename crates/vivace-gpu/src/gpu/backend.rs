@@ -1,0 +1,159 @@
+//! The forms of kernels, lists and rounds.
+
+use std::sync::Arc;
+
+use vivace_kernels::{Backend, CountDown, Element, Map, RoundCount, Select, Shader, Update, View, Views};
+
+use super::Gpu;
+use crate::list::Header;
+use crate::memory::{Buffer, GpuMemory};
+use crate::{GpuError, List};
+
+/// Rounds in the first batch. The paper's coloring ends within it on a mesh.
+const FIRST_BATCH: u32 = 8;
+
+/// No batch is longer: each of its rounds keeps a header.
+const LARGEST_BATCH: u32 = 128;
+
+impl Gpu {
+    /// Whether the list of which this is the header is known to be empty.
+    fn is_seen_empty(&self, header: &Header) -> bool {
+        self.seen_len(header) == Some(0)
+    }
+
+    /// Counts rounds of which the host may not know yet whether anything was left to do. Looks if it has not since.
+    fn count(&self, begun: &mut Vec<Arc<Header>>, count: &mut RoundCount) -> Result<(), GpuError> {
+        if begun.last().is_some_and(|header| self.seen_len(header).is_none()) {
+            self.look()?;
+        }
+        for len in begun.drain(..).filter_map(|header| self.seen_len(&header)).filter(|&len| len > 0) {
+            count.rounds += 1;
+            count.visits += u64::from(len);
+        }
+        Ok(())
+    }
+}
+
+impl Backend for Gpu {
+    type Error = GpuError;
+    type Memory = GpuMemory;
+    type Buffer<T: Element> = Buffer<T>;
+    type List = List;
+
+    fn filled<T: Element>(&self, len: usize, value: T) -> Buffer<T> {
+        Buffer::new(len, self.try_filled(len, value))
+    }
+
+    fn upload<T: Element>(&self, data: &[T]) -> Buffer<T> {
+        Buffer::new(data.len(), self.try_upload(data))
+    }
+
+    fn view<'a, T: Element>(&self, buffer: &'a Buffer<T>) -> View<'a, Self, T> {
+        buffer
+    }
+
+    fn read<T: Element>(&self, buffer: Buffer<T>) -> Result<Vec<T>, GpuError> {
+        self.download(buffer.raw()?, buffer.len)
+    }
+
+    fn all(&self, len: usize) -> List {
+        List { state: self.try_all(len) }
+    }
+
+    fn indices(&self, list: &List) -> Result<Vec<u32>, GpuError> {
+        let list = list.state()?;
+        self.download(&list.memory.buffer, self.len(list)? as usize)
+    }
+
+    fn map<K: Map>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        output: &mut Buffer<K::Output>,
+    ) {
+        self.write::<K, _>(&Shader::map::<K>(), list, uniform, inputs, output);
+    }
+
+    fn update<K: Update>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        state: &mut Buffer<K::State>,
+    ) {
+        self.write::<K, _>(&Shader::update::<K>(), list, uniform, inputs, state);
+    }
+
+    /// One invocation at a time: for the few that a coloring leaves over, whose number is known since its last round.
+    fn update_in_order<K: Update>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        state: &mut Buffer<K::State>,
+    ) {
+        self.write::<K, _>(&Shader::update_in_order::<K>(), list, uniform, inputs, state);
+    }
+
+    fn select<K: Select>(
+        &self,
+        list: &mut List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        output: &mut Buffer<K::Output>,
+    ) -> List {
+        match self.try_select::<K>(list, uniform, inputs, output) {
+            Ok([kept, selected]) => {
+                list.state = Ok(kept);
+                List { state: Ok(selected) }
+            }
+            Err(error) => {
+                output.memory = Err(error.clone());
+                list.state = Err(error.clone());
+                List { state: Err(error) }
+            }
+        }
+    }
+
+    fn count_down<K: CountDown>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        counters: &mut Buffer<u32>,
+    ) {
+        self.write::<K, _>(&Shader::count_down::<K>(), list, uniform, inputs, counters);
+    }
+
+    /// Records a batch of rounds, submits it, and only then looks whether the list has become empty. Rounds after that do nothing:
+    /// dispatches over an empty list have no groups. Each batch is as long as all before it together, so at most half of the rounds
+    /// are such, and waiting for the device, some ten rounds' time, happens a few times in all. The lengths at the beginning of each
+    /// round stay in the headers, so the count is that of a host that looks before every round.
+    fn rounds(&self, limit: u32, list: &mut List, mut round: impl FnMut(u32, &mut List)) -> RoundCount {
+        let mut count = RoundCount::default();
+        let mut begun = Vec::new();
+        let mut next = 0;
+        while let Ok(indices) = list.state()
+            && next < limit
+            && indices.capacity > 0
+            && !self.is_seen_empty(&indices.header)
+        {
+            let header = indices.header.clone();
+            begun.push(header.clone());
+            round(next, list);
+            next += 1;
+            // A loop inside the round has looked at this header, too: nothing to wait for.
+            let is_seen = self.seen_len(&header).is_some();
+            let batch = (next / 2).clamp(FIRST_BATCH, LARGEST_BATCH);
+            if is_seen || begun.len() >= batch as usize || next == limit {
+                if let Err(error) = self.count(&mut begun, &mut count) {
+                    list.state = Err(error);
+                } else if self.is_seen_empty(&header) {
+                    break;
+                }
+            }
+        }
+        count
+    }
+}

@@ -1,0 +1,314 @@
+//! The device: opening it, its memory, and what the host sees of it.
+
+mod backend;
+mod run;
+
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock, mpsc};
+
+use vivace_kernels::Element;
+
+use crate::GpuError;
+use crate::list::{HEADER_BYTES, Header, Headers, Indices, N_HEADERS};
+use crate::memory::{Allocation, Pool, Purpose, array_bytes};
+use crate::pipeline::Pipelines;
+use crate::recorder::{GROUP, Recorder};
+
+/// Bind groups that are kept; more mean that array lengths have changed over and over.
+const MOST_BIND_GROUPS: usize = 1024;
+
+/// A pipeline, and the arrays bound to it with the bytes of each.
+type BindGroupKey = (wgpu::ComputePipeline, Vec<(wgpu::Buffer, u64)>);
+
+/// A GPU as a [`vivace_kernels::Backend`].
+///
+/// It records commands in the order of its calls, so it stays on one thread at a time; make another for another thread.
+pub struct Gpu {
+    device: wgpu::Device,
+    adapter: wgpu::AdapterInfo,
+    pool: Arc<Pool<wgpu::Buffer>>,
+    pipelines: Pipelines,
+    bind_groups: RefCell<HashMap<BindGroupKey, Vec<wgpu::BindGroup>>>,
+    recorder: RefCell<Recorder>,
+    /// The places of headers, and the headers.
+    headers: Arc<Headers>,
+    header_array: wgpu::Buffer,
+    /// All headers as the host last saw them, and how often it has looked.
+    seen: RefCell<Vec<[u32; 4]>>,
+    n_looks: Cell<u64>,
+    grids: Grids,
+    lost: Arc<OnceLock<String>>,
+}
+
+/// Who says how large a dispatch over a list is. On a software adapter (`cargo xtask bench-gpu`; no GPU was at hand) a dispatch over
+/// an empty list takes 1.3 us if indirect; by bounds 22 us with room for 256 elements, 5 ms for a million. Over full lists there is
+/// no difference.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Grids {
+    /// The device, from the list's length: nothing is started in vain.
+    #[default]
+    Indirect,
+    /// The host, from the most that the list can hold: groups past its end find nothing to do.
+    Bounds,
+}
+
+impl Gpu {
+    /// Opens the fastest adapter of this machine. Which one it is, [`Gpu::adapter`] tells; it may be a software one.
+    ///
+    /// # Errors
+    /// There is none, or it lacks what WebGPU promises.
+    pub fn new() -> Result<Self, GpuError> {
+        let descriptor = wgpu::InstanceDescriptor {
+            // Without wgpu's own checks of indirect dispatches, each of which is a dispatch more (on a software adapter 17 us in
+            // place of 1.4 for an empty list): the grids here come from `header` in run.wgsl, which stays inside the limits.
+            flags: wgpu::InstanceFlags::empty(),
+            ..wgpu::InstanceDescriptor::new_without_display_handle_from_env()
+        };
+        pollster::block_on(Self::open(&wgpu::Instance::new(descriptor)))
+    }
+
+    async fn open(instance: &wgpu::Instance) -> Result<Self, GpuError> {
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..wgpu::RequestAdapterOptions::default()
+        };
+        let adapter = instance.request_adapter(&options).await.map_err(|_| GpuError::NoAdapter)?;
+        let name = adapter.get_info().name;
+        let flags = adapter.get_downlevel_capabilities().flags;
+        for (flag, feature) in [
+            (wgpu::DownlevelFlags::COMPUTE_SHADERS, "compute shaders"),
+            (wgpu::DownlevelFlags::INDIRECT_EXECUTION, "indirect dispatches"),
+        ] {
+            if !flags.contains(flag) {
+                return Err(GpuError::MissingFeature { adapter: name, feature });
+            }
+        }
+        let limits = adapter.limits();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("vivace"),
+            required_limits: wgpu::Limits {
+                max_buffer_size: limits.max_buffer_size,
+                max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
+                ..wgpu::Limits::default()
+            },
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let device = adapter.request_device(&descriptor).await;
+        let (device, queue) =
+            device.map_err(|error| GpuError::NoDevice { adapter: name, reason: error.to_string() })?;
+        let gpu = Self::from_device(device, queue)?;
+        let lost = gpu.lost.clone();
+        gpu.device.set_device_lost_callback(move |_, reason| {
+            let _ = lost.set(reason);
+        });
+        Ok(gpu)
+    }
+
+    /// Takes the caller's device and queue, beside whatever else the caller does with them. Faster where their instance was made
+    /// without `wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL`, which adds a dispatch to each indirect one. Whether the device is
+    /// lost, the caller's own callback tells first; here it shows in what is read.
+    ///
+    /// # Errors
+    /// A limit of the device is below what the kernels take.
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
+        let limits = device.limits();
+        for (limit, needed, found) in [
+            ("max_storage_buffers_per_shader_stage", 8, limits.max_storage_buffers_per_shader_stage),
+            ("max_compute_invocations_per_workgroup", 256, limits.max_compute_invocations_per_workgroup),
+            ("max_compute_workgroup_size_x", 256, limits.max_compute_workgroup_size_x),
+            ("max_compute_workgroups_per_dimension", 32_768, limits.max_compute_workgroups_per_dimension),
+            (
+                "max_dynamic_uniform_buffers_per_pipeline_layout",
+                2,
+                limits.max_dynamic_uniform_buffers_per_pipeline_layout,
+            ),
+        ] {
+            if found < needed {
+                return Err(GpuError::Limit { limit, needed: needed.into(), found: found.into() });
+            }
+        }
+        let header_array = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("headers"),
+            size: HEADERS_BYTES,
+            usage: Purpose::Work.usage() | wgpu::BufferUsages::INDIRECT,
+            mapped_at_creation: false,
+        });
+        Ok(Self {
+            adapter: device.adapter_info(),
+            pool: Arc::new(Pool::new(largest_array(&limits))),
+            pipelines: Pipelines::default(),
+            bind_groups: RefCell::default(),
+            recorder: RefCell::new(Recorder::new(device.clone(), queue)),
+            headers: Headers::new(),
+            header_array,
+            seen: RefCell::default(),
+            n_looks: Cell::new(0),
+            grids: Grids::default(),
+            lost: Arc::default(),
+            device,
+        })
+    }
+
+    /// The same with other grids; for measuring what they cost.
+    #[must_use]
+    pub fn with_grids(mut self, grids: Grids) -> Self {
+        self.grids = grids;
+        self
+    }
+
+    /// Which adapter this is: its name, and whether it is a GPU at all.
+    pub fn adapter(&self) -> &wgpu::AdapterInfo {
+        &self.adapter
+    }
+
+    /// Whether a CPU plays the GPU here. Its times are no GPU's times.
+    pub fn is_software(&self) -> bool {
+        self.adapter.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// The device.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// Bytes allocated on the device, in use or waiting to be used again.
+    pub fn allocated(&self) -> u64 {
+        FIXED_BYTES + self.pool.allocated()
+    }
+
+    /// Frees what waits to be used again.
+    pub fn trim(&self) {
+        self.bind_groups.borrow_mut().clear();
+        self.pool.trim();
+    }
+
+    /// Dispatches recorded so far.
+    pub fn n_dispatches(&self) -> u64 {
+        self.recorder.borrow().n_dispatches()
+    }
+
+    /// How often the host has waited to see the lengths of lists.
+    pub fn n_looks(&self) -> u64 {
+        self.n_looks.get()
+    }
+
+    /// Hands over to the device what was recorded, without waiting for it.
+    pub fn submit(&self) {
+        self.recorder.borrow_mut().submit();
+    }
+
+    /// Hands over what was recorded, and waits until it is done.
+    ///
+    /// # Errors
+    /// The device was lost.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        self.submit();
+        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+        if done.is_err() || self.lost.get().is_some() { Err(self.lost()) } else { Ok(()) }
+    }
+
+    /// Memory for an array.
+    fn work(&self, bytes: u64) -> Result<Allocation, GpuError> {
+        self.allocate(Purpose::Work, bytes)
+    }
+
+    fn allocate(&self, purpose: Purpose, bytes: u64) -> Result<Allocation, GpuError> {
+        self.pool.take(purpose, bytes, |size, allocated| {
+            let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+            let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage: purpose.usage(),
+                mapped_at_creation: false,
+            });
+            match pollster::block_on(scope.pop()) {
+                None => Ok(buffer),
+                Some(_) => Err(GpuError::OutOfMemory { bytes: size, allocated }),
+            }
+        })
+    }
+
+    /// A list with room for `capacity` indices, nothing in it yet.
+    fn list(&self, capacity: usize) -> Result<Arc<Indices>, GpuError> {
+        let memory = self.work(array_bytes::<u32>(capacity))?;
+        let header = self.headers.take(self.n_looks.get())?;
+        Ok(Arc::new(Indices { memory, capacity, header }))
+    }
+
+    /// The first `len` elements of a buffer, when all that was recorded is done.
+    fn download<T: Element>(&self, buffer: &wgpu::Buffer, len: usize) -> Result<Vec<T>, GpuError> {
+        let bytes = array_bytes::<T>(len);
+        if bytes == 0 {
+            return Ok(vec![T::zeroed(); len]);
+        }
+        let staging = self.allocate(Purpose::Staging, bytes)?;
+        let mut recorder = self.recorder.borrow_mut();
+        recorder.copy(buffer, &staging.buffer, bytes);
+        recorder.submit();
+        let (sender, receiver) = mpsc::channel();
+        staging.buffer.map_async(wgpu::MapMode::Read, ..bytes, move |mapped| {
+            let _ = sender.send(mapped);
+        });
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        if polled.is_err() || !matches!(receiver.try_recv(), Ok(Ok(()))) {
+            return Err(self.lost());
+        }
+        let mut elements = vec![T::zeroed(); len];
+        let mapped = staging.buffer.get_mapped_range(..bytes).map_err(|_| self.lost())?;
+        bytemuck::cast_slice_mut(&mut elements).copy_from_slice(&mapped);
+        drop(mapped);
+        staging.buffer.unmap();
+        Ok(elements)
+    }
+
+    fn lost(&self) -> GpuError {
+        let reason = self.lost.get().filter(|reason| !reason.is_empty());
+        GpuError::Lost(reason.cloned().unwrap_or_else(|| "it does not answer".to_owned()))
+    }
+
+    /// Waits for what was recorded, and sees all lengths.
+    fn look(&self) -> Result<(), GpuError> {
+        *self.seen.borrow_mut() = self.download(&self.header_array, N_HEADERS as usize)?;
+        self.n_looks.set(self.n_looks.get() + 1);
+        Ok(())
+    }
+
+    /// The length of a list, if the host has looked since it was made.
+    fn seen_len(&self, header: &Header) -> Option<u32> {
+        (header.n_looks < self.n_looks.get()).then(|| self.seen.borrow()[header.place as usize][3])
+    }
+
+    /// The length of a list. Waits for the device if the host has not looked since the list was made.
+    fn len(&self, list: &Indices) -> Result<u32, GpuError> {
+        if list.capacity == 0 {
+            return Ok(0);
+        }
+        if self.seen_len(&list.header).is_none() {
+            self.look()?;
+        }
+        Ok(self.seen_len(&list.header).unwrap_or(0))
+    }
+}
+
+impl std::fmt::Debug for Gpu {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Gpu").field("adapter", &self.adapter.name).finish_non_exhaustive()
+    }
+}
+
+pub(crate) const HEADERS_BYTES: u64 = N_HEADERS as u64 * HEADER_BYTES;
+
+/// What a device costs before it holds anything.
+pub(crate) const FIXED_BYTES: u64 = HEADERS_BYTES + Recorder::UNIFORMS_SIZE as u64;
+
+/// Bytes of the decisions of a select: nine words a group, as in `decisions.wgsl`.
+pub(crate) fn decisions_bytes(capacity: usize) -> u64 {
+    array_bytes::<[u32; 9]>(capacity.div_ceil(GROUP))
+}
+
+/// The most bytes of an array: what the device can bind, as long as its words have 32-bit indices, and in whole steps of the pool.
+fn largest_array(limits: &wgpu::Limits) -> u64 {
+    let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    bytes.min(4 * u64::from(u32::MAX)) / 256 * 256
+}

@@ -1,0 +1,247 @@
+//! How a kernel runs: what is bound, which grid, and the dispatches between kernels that fill arrays and split lists.
+
+use std::sync::Arc;
+
+use bytemuck::Zeroable;
+use vivace_kernels::{Element, Form, Inputs, Kernel, ListShader, Select, Shader, ViewVisitor, Views};
+
+use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, decisions_bytes};
+use crate::list::{HEADER_BYTES, Indices};
+use crate::memory::{Allocation, Buffer, GpuMemory, array_bytes};
+use crate::pipeline::{Pipeline, UNIFORM_BYTES};
+use crate::recorder::{GROUP, Grid};
+use crate::{GpuError, Grids, List};
+
+/// Elements that an invocation updates in order, as in `update_in_order.wgsl`.
+const IN_ORDER: usize = 4;
+
+/// Which lists a run is about, as in `run.wgsl`.
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Run {
+    list: u32,
+    kept: u32,
+    selected: u32,
+    value: u32,
+}
+
+/// What is bound of an array without elements: a device takes no less than one of them.
+const EMPTY_BYTES: u64 = 64;
+
+/// What is bound to a binding.
+#[derive(Clone, Copy)]
+enum Bound<'a> {
+    /// The first bytes of a buffer.
+    Array(&'a wgpu::Buffer, u64),
+    /// The uniforms, at an offset that comes with the dispatch.
+    Uniform,
+}
+
+impl<T: Element> Buffer<T> {
+    fn bound(&self) -> Result<Bound<'_>, GpuError> {
+        Ok(Bound::Array(self.raw()?, self.n_bytes()))
+    }
+}
+
+impl Indices {
+    fn bound(&self) -> Bound<'_> {
+        Bound::Array(&self.memory.buffer, array_bytes::<u32>(self.capacity))
+    }
+}
+
+/// Collects the arrays that a kernel reads.
+struct Binder<'a> {
+    bound: Vec<Bound<'a>>,
+    failed: Option<GpuError>,
+}
+
+impl<'a> ViewVisitor<'a, GpuMemory> for Binder<'a> {
+    fn view<T: Element>(&mut self, view: &'a Buffer<T>) {
+        match view.bound() {
+            Ok(bound) => self.bound.push(bound),
+            Err(error) => self.failed = Some(error),
+        }
+    }
+}
+
+impl Gpu {
+    /// Records one dispatch that binds `groups`.
+    fn dispatch(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>], uniforms: [&[u8]; 2], grid: Grid<'_>) {
+        let groups = self.bind(pipeline, groups);
+        self.recorder.borrow_mut().dispatch(pipeline, &groups, uniforms, grid);
+    }
+
+    /// Bind groups of what is bound, made once: buffers come back from the pool, so the same are asked for again and again.
+    fn bind(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>]) -> Vec<wgpu::BindGroup> {
+        let arrays = groups.iter().flatten().filter_map(|bound| match *bound {
+            Bound::Array(buffer, bytes) => Some((buffer.clone(), bytes)),
+            Bound::Uniform => None,
+        });
+        let key = (pipeline.pipeline.clone(), arrays.collect());
+        let mut made = self.bind_groups.borrow_mut();
+        if made.len() > MOST_BIND_GROUPS {
+            made.clear();
+        }
+        made.entry(key).or_insert_with(|| self.bind_groups(pipeline, groups)).clone()
+    }
+
+    fn bind_groups(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>]) -> Vec<wgpu::BindGroup> {
+        let recorder = self.recorder.borrow();
+        let bind = |(layout, bound): (&wgpu::BindGroupLayout, &Vec<Bound<'_>>)| {
+            let entries: Vec<_> = (0..)
+                .zip(bound)
+                .map(|(binding, bound)| wgpu::BindGroupEntry {
+                    binding,
+                    resource: match *bound {
+                        Bound::Array(buffer, bytes) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                            buffer,
+                            offset: 0,
+                            size: wgpu::BufferSize::new(if bytes == 0 { EMPTY_BYTES } else { bytes }),
+                        }),
+                        Bound::Uniform => recorder.uniform_binding(),
+                    },
+                })
+                .collect();
+            let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
+            self.device.create_bind_group(&descriptor)
+        };
+        pipeline.layouts.iter().zip(groups).map(bind).collect()
+    }
+
+    fn bound_headers(&self) -> Bound<'_> {
+        Bound::Array(&self.header_array, HEADERS_BYTES)
+    }
+
+    /// The grid of a run over a list.
+    fn grid(&self, list: &Indices) -> Grid<'_> {
+        match self.grids {
+            Grids::Indirect => {
+                Grid::Indirect(&self.header_array, u64::from(list.header.place) * HEADER_BYTES)
+            }
+            Grids::Bounds => Grid::Groups(list.capacity.div_ceil(GROUP)),
+        }
+    }
+
+    /// Runs a kernel over a list. `output` is the array it writes; `decisions` is where a select writes what it decides.
+    fn run<K: Kernel>(
+        &self,
+        shader: &Shader,
+        list: &Indices,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        output: Bound<'_>,
+        decisions: Option<Bound<'_>>,
+    ) -> Result<(), GpuError> {
+        const { assert!(size_of::<K::Uniform>() <= UNIFORM_BYTES, "a uniform has 256 bytes at most") };
+        let mut own = Binder { bound: Vec::with_capacity(K::Inputs::LEN + 1), failed: None };
+        K::Inputs::visit(inputs, &mut own);
+        if let Some(error) = own.failed {
+            return Err(error);
+        }
+        let mut own = own.bound;
+        own.push(output);
+        let mut over = vec![self.bound_headers(), list.bound(), Bound::Uniform, Bound::Uniform];
+        over.extend(decisions);
+        let pipeline = self.pipelines.kernel::<K>(&self.device, shader);
+        let groups = self.bind(&pipeline, &[over, own]);
+        let dispatch = |value: u32, grid: Grid<'_>| {
+            let run = Run { list: list.header.place, value, ..Run::zeroed() };
+            let uniforms = [bytemuck::bytes_of(&run), bytemuck::bytes_of(uniform)];
+            self.recorder.borrow_mut().dispatch(&pipeline, &groups, uniforms, grid);
+        };
+        if shader.form == Form::UpdateInOrder {
+            (0..self.len(list)?).step_by(IN_ORDER).for_each(|first| dispatch(first, Grid::Groups(1)));
+        } else {
+            dispatch(0, self.grid(list));
+        }
+        Ok(())
+    }
+
+    /// Runs a kernel that writes an array and nothing else.
+    pub(super) fn write<K: Kernel, T: Element>(
+        &self,
+        shader: &Shader,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        output: &mut Buffer<T>,
+    ) {
+        let written =
+            list.state().and_then(|list| self.run::<K>(shader, list, uniform, inputs, output.bound()?, None));
+        if let Err(error) = written {
+            output.memory = Err(error);
+        }
+    }
+
+    /// The lists of those kept and of those selected.
+    pub(super) fn try_select<K: Select>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        output: &Buffer<K::Output>,
+    ) -> Result<[Arc<Indices>; 2], GpuError> {
+        let list = list.state()?;
+        let bytes = decisions_bytes(list.capacity);
+        let memory = self.work(bytes)?;
+        let decisions = Bound::Array(&memory.buffer, bytes);
+        let (kept, selected) = (self.list(list.capacity)?, self.list(list.capacity)?);
+        self.run::<K>(&Shader::select::<K>(), list, uniform, inputs, output.bound()?, Some(decisions))?;
+        let places = Run {
+            list: list.header.place,
+            kept: kept.header.place,
+            selected: selected.header.place,
+            value: 0,
+        };
+        let uniforms = [bytemuck::bytes_of(&places), &[]];
+        let scan = self.pipelines.list(&self.device, ListShader::Scan);
+        let groups = [vec![self.bound_headers(), decisions, Bound::Uniform]];
+        self.dispatch(&scan, &groups, uniforms, Grid::Groups(1));
+        let split = self.pipelines.list(&self.device, ListShader::Split);
+        let groups = [
+            vec![self.bound_headers(), list.bound(), Bound::Uniform],
+            vec![decisions, kept.bound(), selected.bound()],
+        ];
+        self.dispatch(&split, &groups, uniforms, self.grid(list));
+        Ok([kept, selected])
+    }
+
+    pub(super) fn try_filled<T: Element>(&self, len: usize, value: T) -> Result<Allocation, GpuError> {
+        const { assert!(size_of::<T>() <= 64, "a value has 16 words at most") };
+        let bytes = array_bytes::<T>(len);
+        let memory = self.work(bytes)?;
+        if bytes > 0 {
+            let run = Run { list: words(array_bytes::<T>(1)), value: words(bytes), ..Run::zeroed() };
+            let mut padded = [0; 64];
+            padded[..size_of::<T>()].copy_from_slice(bytemuck::bytes_of(&value));
+            let fill = self.pipelines.list(&self.device, ListShader::Fill);
+            let groups = [vec![Bound::Array(&memory.buffer, bytes), Bound::Uniform, Bound::Uniform]];
+            let grid = Grid::Groups((run.value as usize).div_ceil(GROUP));
+            self.dispatch(&fill, &groups, [bytemuck::bytes_of(&run), &padded], grid);
+        }
+        Ok(memory)
+    }
+
+    pub(super) fn try_upload<T: Element>(&self, data: &[T]) -> Result<Allocation, GpuError> {
+        let memory = self.work(array_bytes::<T>(data.len()))?;
+        if !data.is_empty() {
+            self.recorder.borrow_mut().upload(&memory.buffer, bytemuck::cast_slice(data));
+        }
+        Ok(memory)
+    }
+
+    pub(super) fn try_all(&self, len: usize) -> Result<Arc<Indices>, GpuError> {
+        let list = self.list(len)?;
+        let value = words(array_bytes::<u32>(len));
+        let run = Run { list: list.header.place, value, ..Run::zeroed() };
+        let all = self.pipelines.list(&self.device, ListShader::All);
+        let groups = [vec![self.bound_headers(), list.bound(), Bound::Uniform]];
+        let grid = Grid::Groups(len.div_ceil(GROUP).max(1));
+        self.dispatch(&all, &groups, [bytemuck::bytes_of(&run), &[]], grid);
+        Ok(list)
+    }
+}
+
+fn words(bytes: u64) -> u32 {
+    u32::try_from(bytes / 4).unwrap_or_else(|_| unreachable!("no array is larger"))
+}

@@ -1,0 +1,137 @@
+//! Records dispatches: all of them in one compute pass, until a copy or the host needs the pass to end.
+
+use crate::pipeline::{Pipeline, UNIFORM_BYTES};
+
+/// Uniforms of one submission; when they are used up, what was recorded is submitted.
+const N_UNIFORMS: usize = 2048;
+
+/// Groups in a row of the grid, as in `run.wgsl`.
+const ROW: u32 = 32_768;
+
+/// Invocations in a group, as in `run.wgsl`.
+pub(crate) const GROUP: usize = 256;
+
+/// How large a dispatch is.
+pub(crate) enum Grid<'a> {
+    /// So many groups.
+    Groups(usize),
+    /// What the device has written at this offset.
+    Indirect(&'a wgpu::Buffer, u64),
+}
+
+pub(crate) struct Recorder {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    /// The uniforms on the device: one array, which each submission writes anew before it runs.
+    uniforms: wgpu::Buffer,
+    written: Vec<u8>,
+    // The pass goes before the encoder it records into.
+    pass: Option<wgpu::ComputePass<'static>>,
+    encoder: Option<wgpu::CommandEncoder>,
+    n_dispatches: u64,
+}
+
+impl Recorder {
+    /// Bytes of the uniforms on the device.
+    pub(crate) const UNIFORMS_SIZE: usize = N_UNIFORMS * UNIFORM_BYTES;
+
+    pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("uniforms"),
+            size: Self::UNIFORMS_SIZE as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self { device, queue, uniforms, written: Vec::new(), pass: None, encoder: None, n_dispatches: 0 }
+    }
+
+    /// Where uniforms are bound from.
+    pub(crate) fn uniform_binding(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &self.uniforms,
+            offset: 0,
+            size: wgpu::BufferSize::new(UNIFORM_BYTES as u64),
+        })
+    }
+
+    /// Records one dispatch. `uniforms` are those of group 0 in binding order.
+    pub(crate) fn dispatch(
+        &mut self,
+        pipeline: &Pipeline,
+        groups: &[wgpu::BindGroup],
+        uniforms: [&[u8]; 2],
+        grid: Grid<'_>,
+    ) {
+        if self.written.len() + 2 * UNIFORM_BYTES > Self::UNIFORMS_SIZE {
+            self.submit();
+        }
+        let offsets = uniforms.map(|uniform| self.write(uniform));
+        let pass = self.pass();
+        pass.set_pipeline(&pipeline.pipeline);
+        for (place, group) in (0..).zip(groups) {
+            let n_uniforms = if place == 0 { pipeline.n_uniforms } else { 0 };
+            pass.set_bind_group(place, group, &offsets[..n_uniforms]);
+        }
+        match grid {
+            Grid::Groups(n) => {
+                let n = u32::try_from(n).unwrap_or_else(|_| unreachable!("elements have 32-bit indices"));
+                pass.dispatch_workgroups(n.min(ROW), n.div_ceil(ROW), 1);
+            }
+            Grid::Indirect(buffer, offset) => pass.dispatch_workgroups_indirect(buffer, offset),
+        }
+        self.n_dispatches += 1;
+    }
+
+    /// Records a copy of the first `bytes`.
+    pub(crate) fn copy(&mut self, from: &wgpu::Buffer, to: &wgpu::Buffer, bytes: u64) {
+        self.pass = None;
+        self.encoder().copy_buffer_to_buffer(from, 0, to, 0, bytes);
+    }
+
+    /// Writes to a buffer, after all that was recorded before.
+    pub(crate) fn upload(&mut self, buffer: &wgpu::Buffer, bytes: &[u8]) {
+        self.submit();
+        self.queue.write_buffer(buffer, 0, bytes);
+    }
+
+    /// Hands over what was recorded.
+    pub(crate) fn submit(&mut self) {
+        self.pass = None;
+        let Some(encoder) = self.encoder.take() else { return };
+        if !self.written.is_empty() {
+            self.queue.write_buffer(&self.uniforms, 0, &self.written);
+            self.written.clear();
+        }
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// Dispatches recorded so far.
+    pub(crate) fn n_dispatches(&self) -> u64 {
+        self.n_dispatches
+    }
+
+    fn write(&mut self, uniform: &[u8]) -> u32 {
+        let offset = self.written.len();
+        if uniform.is_empty() {
+            return 0;
+        }
+        self.written.extend_from_slice(uniform);
+        self.written.resize(offset + UNIFORM_BYTES, 0);
+        u32::try_from(offset).unwrap_or_else(|_| unreachable!("below {}", Self::UNIFORMS_SIZE))
+    }
+
+    fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        let device = &self.device;
+        self.encoder.get_or_insert_with(|| {
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("vivace") })
+        })
+    }
+
+    fn pass(&mut self) -> &mut wgpu::ComputePass<'static> {
+        if self.pass.is_none() {
+            let descriptor = wgpu::ComputePassDescriptor { label: Some("vivace"), timestamp_writes: None };
+            self.pass = Some(self.encoder().begin_compute_pass(&descriptor).forget_lifetime());
+        }
+        self.pass.as_mut().unwrap_or_else(|| unreachable!("set above"))
+    }
+}

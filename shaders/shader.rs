@@ -1,0 +1,135 @@
+//! How the WGSL of a kernel becomes a shader: its parts and its form's are joined, in the order in which they are listed.
+//!
+//! Bindings are the same for all kernels. Group 0 is the run: 0 the headers of lists, 1 the list, 2 which lists, 3 the kernel's
+//! uniform, 4 what a select decided. Group 1 is the kernel's: its inputs in order, then the array it writes.
+
+use crate::{CountDown, Inputs, Kernel, Map, Select, Update};
+
+/// In which way a kernel runs over a list, and what its function is called in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Form {
+    /// `map(i)` writes element `i`.
+    Map,
+    /// `update(i)` writes element `i` of an array that it reads.
+    Update,
+    /// As `Update`, one invocation after another.
+    UpdateInOrder,
+    /// `select_element(i)` says whether `i` is selected, and may write element `i`. (`select` is taken in WGSL.)
+    Select,
+    /// `count_down(i)` calls `take_one(target)`; the array is called `counters`.
+    CountDown,
+}
+
+impl Form {
+    const fn wgsl(self) -> &'static [&'static str] {
+        const OVER: &str = include_str!("device/over.wgsl");
+        match self {
+            Self::Map => &[RUN, OVER, include_str!("form/map.wgsl")],
+            Self::Update => &[RUN, OVER, include_str!("form/update.wgsl")],
+            Self::UpdateInOrder => &[RUN, OVER, include_str!("form/update_in_order.wgsl")],
+            Self::Select => &[RUN, DECISIONS, OVER, include_str!("form/select.wgsl")],
+            Self::CountDown => &[RUN, OVER, include_str!("form/count_down.wgsl")],
+        }
+    }
+}
+
+/// A kernel in one of its forms.
+#[derive(Debug, Clone, Copy)]
+pub struct Shader {
+    /// The kernel's name.
+    pub name: &'static str,
+    /// The form.
+    pub form: Form,
+    /// How many arrays the kernel reads beside the one it writes.
+    pub n_inputs: usize,
+    /// Bytes of its uniform.
+    pub uniform_bytes: usize,
+    parts: &'static [&'static str],
+}
+
+impl Shader {
+    /// A map.
+    #[must_use]
+    pub const fn map<K: Map>() -> Self {
+        Self::new::<K>(Form::Map)
+    }
+
+    /// An update, all elements at once.
+    #[must_use]
+    pub const fn update<K: Update>() -> Self {
+        Self::new::<K>(Form::Update)
+    }
+
+    /// An update, one element after another.
+    #[must_use]
+    pub const fn update_in_order<K: Update>() -> Self {
+        Self::new::<K>(Form::UpdateInOrder)
+    }
+
+    /// A select.
+    #[must_use]
+    pub const fn select<K: Select>() -> Self {
+        Self::new::<K>(Form::Select)
+    }
+
+    /// A countdown.
+    #[must_use]
+    pub const fn count_down<K: CountDown>() -> Self {
+        Self::new::<K>(Form::CountDown)
+    }
+
+    const fn new<K: Kernel>(form: Form) -> Self {
+        let (n_inputs, uniform_bytes) = (K::Inputs::LEN, size_of::<K::Uniform>());
+        Self { name: K::NAME, form, n_inputs, uniform_bytes, parts: K::WGSL }
+    }
+
+    /// The text, entry point `main`.
+    #[must_use]
+    pub fn wgsl(&self) -> String {
+        [self.form.wgsl(), self.parts].concat().join("\n")
+    }
+}
+
+const RUN: &str = include_str!("device/run.wgsl");
+const DECISIONS: &str = include_str!("device/decisions.wgsl");
+
+/// What a device does with arrays and lists between kernels. Its counterpart on the CPU is `vivace_cpu::List`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ListShader {
+    /// Fills an array.
+    Fill,
+    /// Makes the list of all indices.
+    All,
+    /// After a select: how many were selected before each group, and the lengths of both lists.
+    Scan,
+    /// After a scan: the elements of both lists.
+    Split,
+}
+
+impl ListShader {
+    /// Each of them.
+    pub const ALL: [Self; 4] = [Self::Fill, Self::All, Self::Scan, Self::Split];
+
+    /// File stem and label.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fill => "fill",
+            Self::All => "all",
+            Self::Scan => "scan",
+            Self::Split => "split",
+        }
+    }
+
+    /// The text, entry point `main`.
+    #[must_use]
+    pub fn wgsl(self) -> String {
+        let parts: &[&str] = match self {
+            Self::Fill => &[RUN, include_str!("device/fill.wgsl")],
+            Self::All => &[RUN, include_str!("device/all.wgsl")],
+            Self::Scan => &[RUN, DECISIONS, include_str!("device/scan.wgsl")],
+            Self::Split => &[RUN, DECISIONS, include_str!("device/split.wgsl")],
+        };
+        parts.join("\n")
+    }
+}

@@ -1,0 +1,14 @@
+//! The GPU backend against the CPU's, bit for bit. These tests need an adapter, if a software one, and fail where there is none.
+
+mod cases;
+mod colorings;
+mod device;
+mod kernels;
+mod sweep;
+
+use vivace_gpu::Gpu;
+
+/// The adapter of this machine.
+fn gpu() -> Gpu {
+    Gpu::new().unwrap_or_else(|error| panic!("{error}"))
+}
