@@ -20,7 +20,7 @@ fn tiny() -> Sizes {
         seeds: 2,
         ablation_seeds: 2,
         seconds: 0.0,
-        simulation: simulation::Sizes { vertices: 600, n_frames: 4, every: 2, most_sweeps: 8, still: 60 },
+        simulation: simulation::Sizes { vertices: 100, n_frames: 4, every: 2, most_sweeps: 8, still: 60 },
         trade: Effort { warm_frames: 1, longest_ms: 0.1, stable_frames: 2, fine_steps: 8 },
         is_reduced: true,
     }

@@ -40,8 +40,8 @@ pub fn tablecloth(n: usize) -> Scene {
 
 /// The stand-in for the armadillo, filled with about `n_vertices` (10,000 come with 55,000 tetrahedra) and hanging by one hand.
 ///
-/// 1 m high, 1000 kg/m³, 10⁵ Pa against changes of shape and again of volume beyond 5 %. Of fewer than some 600 vertices there is
-/// no hand left to hang by: that is refused when the scene is built.
+/// 1 m high, 1000 kg/m³, 10⁵ Pa against changes of shape and again of volume beyond 5 %. Below 1000 vertices, where hardly a
+/// hand is left, the vertex nearest to it is held.
 #[must_use]
 pub fn armadillo(n_vertices: usize) -> Scene {
     let shape = Shape::Sdf { source: Source::Dillo, vertices: n_vertices, irregular: Some(2016) };
@@ -51,8 +51,12 @@ pub fn armadillo(n_vertices: usize) -> Scene {
         volume: Some(VolumeStiffness { stiffness: 1e5, range: [0.95, 1.05] }),
         springs: None,
     };
-    // Down to the wrist, so that a coarse mesh has vertices there, too.
-    let hand = Select::Box { min: Vec3::new(0.26, 0.74, -0.28), max: Vec3::new(0.42, 0.92, -0.14) };
+    // Down to the wrist.
+    let hand = if n_vertices < 1000 {
+        Select::Nearest(Vec3::new(0.33, 0.8, -0.2))
+    } else {
+        Select::Box { min: Vec3::new(0.26, 0.74, -0.28), max: Vec3::new(0.42, 0.92, -0.14) }
+    };
     Scene {
         name: "armadillo".to_owned(),
         bodies: vec![Body { pins: vec![hand], ..Body::new(shape, material) }],

@@ -55,6 +55,9 @@ fn the_armadillo_hangs_by_one_hand() {
     let pinned = pinned(&model);
     assert!((10..300).contains(&pinned.len()), "{}", pinned.len());
     assert!(pinned.iter().all(|&p| state.positions[p as usize].x > 0.2));
+    for n in [100, 600, 1500] {
+        assert!(build(&armadillo(n)).is_ok(), "{n}");
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::report::Progress;
 /// needs no other file, beside the figures (SVG, PNG) and the data (CSV, JSON).
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Small sizes: some 6 minutes on 2 cores
+    /// Small sizes: some 8 minutes on 2 cores
     #[arg(long, conflicts_with = "full")]
     quick: bool,
     /// Up to a million vertices

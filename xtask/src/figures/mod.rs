@@ -116,7 +116,7 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Ends within 5 minutes on 2 cores.
+    /// Some 8 minutes on 2 cores.
     pub fn quick() -> Self {
         Self {
             flag: "--quick",

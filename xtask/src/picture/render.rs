@@ -19,11 +19,11 @@ const SAMPLES: usize = 2;
 /// Direction to the light and its strength, relative to the camera: right, up, towards the eye.
 const KEY: (Vec3, f32) = (Vec3::new(-0.48, 0.68, 0.55), 0.78);
 const FILL: (Vec3, f32) = (Vec3::new(0.85, 0.1, 0.5), 0.2);
-const AMBIENT: f32 = 0.2;
+const AMBIENT: f32 = 0.16;
 const SHINE: f32 = 0.09;
 
 /// What the back of a surface reflects of its color, and what is added to it.
-const BACK: (f32, Vec3) = (0.7, Vec3::new(0.02, 0.025, 0.035));
+const BACK: (f32, Vec3) = (0.5, Vec3::new(0.02, 0.025, 0.035));
 
 /// How a mesh is colored.
 #[derive(Clone, Copy, Debug)]

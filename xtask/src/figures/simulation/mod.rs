@@ -52,7 +52,7 @@ pub struct Sizes {
 impl Sizes {
     /// Some minutes for all four figures.
     pub fn quick() -> Self {
-        Self { vertices: 1500, n_frames: 24, every: 6, most_sweeps: 128, still: 300 }
+        Self { vertices: 1000, n_frames: 24, every: 6, most_sweeps: 128, still: 300 }
     }
 
     /// The paper's sizes.
