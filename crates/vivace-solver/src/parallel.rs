@@ -36,10 +36,14 @@ impl<T: Send> Split for &mut [T] {
     }
 }
 
-/// Hands `out` to `f` in as many pieces as there are threads, each with the number of its first element, none shorter than `grain`
-/// and all but the last a multiple of it.
+/// Elements that stay together: what is computed several at a time.
+const UNIT: usize = 8;
+
+/// Hands `out` to `f` in as many pieces as there are threads, each with the number of its first element; all but the last have at least
+/// `grain` elements, a multiple of [`UNIT`].
 pub(crate) fn in_pieces<S: Split>(first: usize, out: S, grain: usize, f: &(impl Fn(usize, S) + Sync)) {
-    let piece = out.len().div_ceil(rayon::current_num_threads()).next_multiple_of(grain);
+    let even = out.len().div_ceil(rayon::current_num_threads());
+    let piece = even.max(grain).next_multiple_of(UNIT);
     pieces_of(piece, first, out, f);
 }
 
@@ -64,7 +68,7 @@ mod tests {
             pool.install(|| {
                 let mut out = vec![0; n];
                 in_pieces(7, out.as_mut_slice(), 64, &|first, piece: &mut [usize]| {
-                    assert_eq!((first - 7) % 64, 0);
+                    assert_eq!((first - 7) % UNIT, 0);
                     piece.iter_mut().enumerate().for_each(|(k, out)| *out = first + k);
                 });
                 (out, sum(0..n, &|i| 1.0 / (1.0 + i as f64)))

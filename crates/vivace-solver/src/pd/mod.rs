@@ -322,13 +322,15 @@ impl Stages for ProjectiveDynamics {
             self.q = q;
             return;
         }
-        let mut steps = std::mem::take(&mut self.steps);
-        self.of_color(color, &mut steps, |slice| self.step(slice, &self.q));
+        let mut relaxed = std::mem::take(&mut self.steps);
+        self.of_color(color, &mut relaxed, |slice| {
+            self.q.lanes(self.slices.slices[slice].0) + self.step(slice, &self.q) * f32x8::splat(omega)
+        });
         let range = self.layout.classes[color].clone();
         in_pieces(range.start, self.q.range_mut(range), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
-            q.axpy(omega, first, &steps);
+            q.copy_from(first, &relaxed);
         });
-        self.steps = steps;
+        self.steps = relaxed;
     }
 
     fn relax_color_from_previous(&mut self, color: u32, omega: f32) {

@@ -138,6 +138,12 @@ impl PointsMut<'_> {
 }
 
 impl PointsMut<'_> {
+    /// Takes the `values` from `first` on.
+    pub(crate) fn copy_from(&mut self, first: usize, values: &Points) {
+        let axes = [&mut *self.x, &mut *self.y, &mut *self.z].into_iter().zip(values.axes());
+        axes.for_each(|(axis, values)| axis.copy_from_slice(&values[first..][..axis.len()]));
+    }
+
     /// Adds `omega` times the `steps` from `first` on.
     pub(crate) fn axpy(&mut self, omega: f32, first: usize, steps: &Points) {
         let axes = [&mut *self.x, &mut *self.y, &mut *self.z].into_iter().zip(steps.axes());
