@@ -4,7 +4,7 @@
 //! what it likes and writes element `i` of one array, so neither the number of threads nor their order can show in a result.
 //! Randomness is a hash of (seed, round, vertex), see [`pcg`]; no generator state passes from vertex to vertex.
 //!
-//! The Rust function here is the definition of its kernel: plain loops over `u32` and `f32`, nothing that WGSL could not say. Its
+//! The Rust function here is the definition of its kernel. Those of the colorings are plain loops over `u32`, nothing that WGSL could not say. Its
 //! twin for a device stands beside it under the same name, `<name>.wgsl`, and the tests hold the two to the same answers.
 
 mod backend;

@@ -48,7 +48,7 @@ pub struct Xpbd {
 /// [`Constraint::deviation`] of four constraints.
 #[derive(Debug, Clone, Copy)]
 pub struct Deviations<const N: usize> {
-    /// C.
+    /// C \[m\], or \[1\] where A q has no unit.
     pub c: f32x4,
     /// ∇C, by particle.
     pub gradient: [Lanes3<f32x4>; N],
@@ -180,7 +180,7 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
 }
 
 /// [`Constraint::correct`] of four constraints that share no free particle: by how much each slot's particles move; `None` for kinds
-/// that have no [`Constraint::deviations`].
+/// that have no [`Constraint::deviations`]. (Where C has no direction, nothing moves either way, but the multiplier differs.)
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "four constraints stay in registers only if it is")]
 pub fn correct_batch<C: Constraint<N, R>, const N: usize, const R: usize>(

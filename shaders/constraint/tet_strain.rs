@@ -68,11 +68,11 @@ impl Constraint<4, 3> for TetStrain {
     }
 
     fn project_all(rest: &[Self], corners: impl Fn(usize) -> [Vec3; 4], projected: &mut [[Vec3; 3]]) {
-        const BATCH: usize = 64;
-        let (mut f, mut r) = ([Mat3::ZERO; BATCH], [Mat3::ZERO; BATCH]);
-        for (batch, (rest, projected)) in rest.chunks(BATCH).zip(projected.chunks_mut(BATCH)).enumerate() {
+        const CHUNK: usize = 64;
+        let (mut f, mut r) = ([Mat3::ZERO; CHUNK], [Mat3::ZERO; CHUNK]);
+        for (chunk, (rest, projected)) in rest.chunks(CHUNK).zip(projected.chunks_mut(CHUNK)).enumerate() {
             for (k, (rest, f)) in rest.iter().zip(&mut f).enumerate() {
-                let [x, y, z] = rest.apply(&corners(batch * BATCH + k));
+                let [x, y, z] = rest.apply(&corners(chunk * CHUNK + k));
                 *f = Mat3::from_cols(x, y, z);
             }
             rotations(&f[..rest.len()], &mut r);

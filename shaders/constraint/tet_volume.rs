@@ -37,7 +37,8 @@ impl TetVolume {
         let (columns, weight) = gradient(x, stiffness)?;
         let [_, b, c, d] = columns.map(Vec3::from_array);
         let edges = range.map(f32::cbrt);
-        Some(Self { columns, weight, range, edges, inverse_det: b.cross(c).dot(d) })
+        let inverse_det = b.cross(c).dot(d);
+        inverse_det.is_finite().then_some(Self { columns, weight, range, edges, inverse_det })
     }
 
     /// The determinant nearest to `det` in the range.

@@ -12,7 +12,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         atomicOr(&bits[lane / 32u], 1u << (lane & 31u));
     }
     workgroupBarrier();
-    if lane < 8u {
+    // The grid is whole rows of groups, the last of them beyond the list.
+    if lane < 8u && g * GROUP < headers[run.list].len {
         decisions[g].bits[lane] = atomicLoad(&bits[lane]);
     }
 }

@@ -33,7 +33,7 @@ pub struct StepReport {
 /// Seconds spent in each phase of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseTimes {
-    /// Graph, coloring, matrix, factorisation: 0 where nothing changed.
+    /// Checks and copies; where the time step changed, parameters and factorization. (Graph and coloring are made with the system.)
     pub setup: f64,
     /// Outer forces and prediction.
     pub predict: f64,

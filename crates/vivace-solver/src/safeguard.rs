@@ -6,7 +6,10 @@ use crate::Stages;
 /// acceleration. Plain relaxations never raise it in Projective Dynamics, so easing ends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Safeguard {
+    /// Lowest objective seen, and that of the positions that were kept last \[J\].
     lowest: f64,
+    kept: f64,
+    looked_at: u32,
     next_check: u32,
 }
 
@@ -19,7 +22,8 @@ impl Safeguard {
     /// At the start of a time step, before its first iteration.
     pub(crate) fn begin(stages: &mut impl Stages) -> Self {
         stages.save();
-        Self { lowest: stages.objective(), next_check: FIRST }
+        let objective = stages.objective();
+        Self { lowest: objective, kept: objective, looked_at: 0, next_check: FIRST }
     }
 
     /// After iteration `k` (from 1): whether it is time to look.
@@ -29,11 +33,13 @@ impl Safeguard {
 
     /// Looks; returns whether the iterations since the last look were taken back.
     pub(crate) fn check(&mut self, k: u32, stages: &mut impl Stages) -> bool {
+        self.looked_at = k;
         self.next_check = k + k.clamp(1, LONGEST);
         let objective = stages.objective();
         // Not a number compares false: it is a rise.
         if objective <= self.lowest + stages.tolerated_rise() * self.lowest.abs() {
             self.lowest = objective.min(self.lowest);
+            self.kept = objective;
             stages.save();
             false
         } else {
@@ -42,8 +48,13 @@ impl Safeguard {
         }
     }
 
-    /// The lowest objective seen \[J\].
-    pub(crate) fn lowest(&self) -> f64 {
-        self.lowest
+    /// Whether the last look was after iteration `k`.
+    pub(crate) fn has_looked(&self, k: u32) -> bool {
+        self.looked_at == k
+    }
+
+    /// The objective of the positions that were kept last \[J\].
+    pub(crate) fn kept(&self) -> f64 {
+        self.kept
     }
 }

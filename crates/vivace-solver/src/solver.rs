@@ -17,14 +17,15 @@ pub struct Solver {
     /// steps than iterations in the budget, and at least one iteration in each, whatever the time.
     pub substeps: u32,
     /// Watch the objective and back acceleration off when it rises. Acceleration then waits for the first five iterations of each
-    /// (small) step: steps of fewer are plain. Without it the relaxation does exactly what it is told, and may diverge. Looking costs
-    /// about as much as an iteration, three times in ten iterations and six times in fifty.
+    /// (small) step: steps of fewer are plain, but for Jacobi and the two readings of line 7 that are ablations. Without it the
+    /// relaxation does exactly what it is told, and may diverge. It looks three times in ten iterations and six times in fifty.
     pub safeguard: bool,
 }
 
 impl Default for Solver {
-    /// Projective Dynamics by colored Gauss-Seidel, ω = 1.9, eight sweeps to a local step, under the safeguard: the best that needs no
-    /// factor, on cloth and on tetrahedra alike. Where the topology stands, [`Relaxation::Direct`] is far ahead of it.
+    /// Projective Dynamics by colored Gauss-Seidel, ω = 1.9, eight sweeps to a local step, under the safeguard: of one step to a frame
+    /// that needs no factor among the best on cloth and on tetrahedra alike. Where the topology stands, [`Relaxation::Direct`] is far
+    /// ahead of it.
     fn default() -> Self {
         Self {
             framework: Framework::default(),
@@ -48,7 +49,8 @@ pub enum Framework {
         #[serde(default)]
         vertex: VertexSolve,
     },
-    /// Constraints projected one by one (Müller et al. 2007), with the compliance 1/w of XPBD (Macklin et al. 2016).
+    /// Constraints projected one by one (Müller et al. 2007), with the compliance 1/w of XPBD (Macklin et al. 2016). Where constraints
+    /// bend it comes to rest near the minimum of Eq. 1, not at it, however many the iterations: small steps bring it nearer.
     PositionBased,
 }
 
@@ -118,7 +120,8 @@ pub enum Relaxation {
     },
     /// Color by color (Algorithm 1), over-relaxed by `omega` in 0..2.
     GaussSeidel {
-        /// 1 is plain; up to 1.9 never blew up under the safeguard, without it every ω from 1.5 did at few iterations; 1.9 is best for stiff systems and many iterations.
+        /// 1 is plain; up to 1.9 never blew up under the safeguard, without it every ω from 1.5 did at few iterations; 1.9 is best for
+        /// stiff systems and many iterations.
         #[serde(default = "default_omega")]
         omega: f32,
         /// How line 7 is read.
@@ -138,7 +141,8 @@ pub enum Relaxation {
         /// Sweeps before acceleration begins.
         delay: u32,
     },
-    /// One vertex after the other in the model's own order, on one thread: what coloring replaces. For reference.
+    /// One vertex after the other in the model's own order, on one thread: what coloring replaces. For reference: its answers, not its
+    /// time, since the vertices that are computed eight at a time for a sweep are so here for one.
     Lexicographic {
         /// As for [`Relaxation::GaussSeidel`].
         omega: f32,
@@ -235,6 +239,22 @@ fn in_range(what: &'static str, value: f32, is_in: bool, need: &'static str) -> 
 }
 
 impl Relaxation {
+    /// Whether it works color by color.
+    #[must_use]
+    pub fn is_colored(&self) -> bool {
+        match self {
+            Self::GaussSeidel { .. }
+            | Self::SymmetricChebyshev { .. }
+            | Self::ChebyshevGaussSeidel { .. }
+            | Self::ConjugateGradient { preconditioner: Preconditioner::SymmetricGaussSeidel, .. } => true,
+            Self::Jacobi { .. }
+            | Self::Chebyshev { .. }
+            | Self::Lexicographic { .. }
+            | Self::ConjugateGradient { .. }
+            | Self::Direct => false,
+        }
+    }
+
     /// The kind of relaxation, without its parameters.
     #[must_use]
     pub fn name(&self) -> &'static str {

@@ -66,30 +66,31 @@ pub(crate) fn solve(
         }
         schedule.iterate(stages);
         k += 1;
+        report.last_move = budget.tolerance.map(|_| stages.moved());
+        let is_small = report.last_move.zip(budget.tolerance).is_some_and(|(moved, most)| moved <= most);
+        let has_settled = is_small && schedule.settle();
         if let Some(safeguard) = &mut safeguard
-            && (safeguard.is_due(k) || k == most)
+            && (has_settled || safeguard.is_due(k) || k == most)
             && safeguard.check(k, stages)
         {
             backoffs += 1;
             ease.more();
+            report.last_move = None;
             schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
             continue;
         }
-        if let Some(tolerance) = budget.tolerance {
-            let moved = stages.moved();
-            report.last_move = Some(moved);
-            if moved <= tolerance && schedule.settle() {
-                report.stop = Stop::Tolerance;
-                break;
-            }
+        if has_settled {
+            report.stop = Stop::Tolerance;
+            break;
         }
     }
     if let Some(safeguard) = &mut safeguard {
-        if report.stop != Stop::Iterations && safeguard.check(k, stages) {
+        if !safeguard.has_looked(k) && safeguard.check(k, stages) {
             backoffs += 1;
             ease.more();
+            report.last_move = None;
         }
-        report.objective = Some(safeguard.lowest());
+        report.objective = Some(safeguard.kept());
         if backoffs == 0 {
             ease.quiet();
         }

@@ -178,7 +178,9 @@ impl System {
         if self.is_measuring {
             self.measure(&mut report);
         }
-        report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
+        if self.solver.relaxation.is_colored() {
+            report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
+        }
         let is_bad =
             |i: &usize| !(State::is_in_range(self.after[*i]) && State::is_in_range(self.velocities[*i]));
         // A pinned particle is never the cause: it has moved by 0 times what is not finite.

@@ -190,10 +190,10 @@ fn omega_at_both_ends() {
     }
 }
 
-/// One solver for each framework, as it would be shipped.
+/// The default, and in each framework.
 fn shipped() -> impl Iterator<Item = Solver> {
     let frameworks = projective_dynamics().into_iter().chain([Framework::PositionBased]);
-    frameworks.map(|framework| Solver { framework, ..Solver::default() })
+    frameworks.map(|framework| Solver { framework, ..Solver::default() }).chain([Solver::default()])
 }
 
 #[test]

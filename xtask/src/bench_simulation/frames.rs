@@ -113,7 +113,7 @@ pub(super) fn settings() -> Vec<Setting> {
     for rho in [0.9, 0.95, 0.99, 0.995, 0.998, 0.999] {
         push(format!("blocks Chebyshev-GS {rho}"), Relaxed, true, chebyshev(rho), blocks(diagonal));
     }
-    for sweeps in [4, 16] {
+    for sweeps in [4, 8, 16] {
         push(format!("split SOR 1.9, {sweeps} sweeps"), Relaxed, true, sor(1.9), split(sweeps));
         for rho in [0.99, 0.999, 0.9995] {
             let name = format!("split Chebyshev-GS {rho}, {sweeps} sweeps");

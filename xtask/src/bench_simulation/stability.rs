@@ -19,7 +19,7 @@ pub(super) struct Fastest {
 }
 
 /// What must hold: all with the safeguard, where it is more than a plain sweep.
-const GUARDED: [&str; 11] = [
+const GUARDED: [&str; 12] = [
     "SOR 1.7, safeguard",
     "SOR 1.9, safeguard",
     "Chebyshev-GS 0.99, safeguard",
@@ -29,6 +29,7 @@ const GUARDED: [&str; 11] = [
     "blocks SOR 1.5, safeguard",
     "blocks SOR 1.9, safeguard",
     "blocks Chebyshev-GS 0.99, safeguard",
+    "split SOR 1.9, 8 sweeps, safeguard",
     "split SOR 1.9, 16 sweeps, safeguard",
     "XPBD GS",
 ];

@@ -192,11 +192,12 @@ pub(super) fn large(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<V
     Ok(pools.all().zip(&copied).map(of).collect())
 }
 
-/// What a linear sweep must at least move: each entry's column and weight; each row's offset, weights, anchor and pull; q, read
-/// once and written once. That neighbors are read again for each color, and the buffer between, do not count.
+/// What a linear sweep must at least move: each entry's weight; each row's diagonal, weight, anchor and pull; q, read once and written
+/// once. Columns, of which most runs of eight entries need one, do not count, nor that neighbors are read again for each color, nor the
+/// buffer between threads.
 fn sweep_bytes(model: &Model) -> Result<f64, FigureError> {
-    const ENTRY: usize = 4 + 4;
-    const ROW: usize = 4 + 4 + 4 + 16 + 16 + 16 + 16;
+    const ENTRY: usize = 4;
+    const ROW: usize = 4 + 4 + 12 + 12 + 12 + 12;
     Ok((model.graph()?.csr().len() * ENTRY + model.n_particles() * ROW) as f64)
 }
 

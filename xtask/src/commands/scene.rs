@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use vivace_scene::{Scene, armadillo, tablecloth};
 
 use super::CommandError;
+use crate::figures::simulation::scenes::side;
 
 /// The scene, and the folder that its paths are relative to; `n_vertices` resizes a ready-made one.
 pub(super) fn load(path: &Path, n_vertices: Option<usize>) -> Result<(Scene, PathBuf), CommandError> {
     let name = path.to_str().unwrap_or_default();
     let resized = match (name, n_vertices) {
         (_, None) => Scene::named(name),
-        ("tablecloth", Some(n)) => Some(tablecloth(n.isqrt())),
+        ("tablecloth", Some(n)) => Some(tablecloth(side(n))),
         ("armadillo", Some(n)) => Some(armadillo(n)),
         _ => {
             return Err(CommandError::Usage(

@@ -20,7 +20,7 @@ pub struct Args {
     /// A scene file, or the name of a ready-made scene
     #[arg(default_value = "tablecloth")]
     scene: PathBuf,
-    /// Fewer frames and coarser measures
+    /// Stability over 10 frames instead of 30
     #[arg(long)]
     quick: bool,
     /// Vertices of tablecloth or armadillo, about [default: 10000]

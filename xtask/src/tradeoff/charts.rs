@@ -15,7 +15,8 @@ pub(super) fn step(trade: &Trade<'_>) -> Chart {
     let mut kinds = Kinds::default();
     for (title, prefixes) in [
         ("Projective Dynamics, fused", &["PD, "][..]),
-        ("Projective Dynamics, split (1 or 4 sweeps)", &["PD split, ", "PD split 4, "]),
+        ("Projective Dynamics, split, 1 sweep", &["PD split, "]),
+        ("Projective Dynamics, split, 8 sweeps", &["PD split 8, "]),
         ("Projective Dynamics, 3x3 blocks", &["PD blocks, "]),
         ("XPBD", &["XPBD, "]),
         ("Global solvers", &[""]),

@@ -1,6 +1,8 @@
 //! Position Based Dynamics (Müller et al. 2007) with the compliance of XPBD (Macklin et al. 2016): each constraint C moves its
 //! particles along its gradient by `Δλ = (−C − α̃ λ) / (Σ w |∇C|² + α̃)`, `α̃ = 1 / (weight · h²)`.
 //!
+//! C is such that the energy is w/2 C², but for volumes, where that holds near rest (`TetVolume`).
+//!
 //! Colors are those of constraints, not of particles: two of one color share none. In Jacobi's reading all constraints act from the
 //! same positions, each divided by the number of constraints at its busiest particle, so that momentum is kept where averaging
 //! particle by particle (Macklin et al. 2014) would lose it.

@@ -62,7 +62,7 @@ pub struct ProjectiveDynamics {
     residual: Vec<Vec3>,
 }
 
-/// Vertices that one thread computes before another may take over.
+/// Vertices that are worth a thread of their own.
 const GRAIN: usize = 32 * LANES;
 /// The same, where there is little to compute.
 const LARGE_GRAIN: usize = 1 << 14;

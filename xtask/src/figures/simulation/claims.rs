@@ -18,7 +18,7 @@ const ORDERED: &str = "The residual error depends on the order of the equations;
 const LINE7: &str = "Line 7 of Algorithm 1 as printed (relaxed against the positions of the last iteration) with \u{3c9} = 1.9";
 
 /// Where [`ALWAYS`] ends, which the figures' limits do not reach.
-const FEWER: &str = "Not with fewer iterations a frame: on a cloth of 10,000 vertices, unguarded, \u{3c9} = 1.9 blows up with 1 to 5, 1.7 with 1 and 2, 1.5 with 1 (table of stability of cargo xtask bench-simulation)";
+const FEWER: &str = "Not with fewer iterations a frame: on a cloth of 10,000 vertices, unguarded, \u{3c9} = 1.9 blows up with 1 to 5 at every stiffness from 1 to 1000 N/m (and with 7 at 10 N/m), 1.7 with 1 and 2, 1.5 with 1 (table of stability of cargo xtask bench-simulation)";
 
 /// Wang's iterations before acceleration: with no more nothing of his method is seen.
 const DELAY: f64 = 10.0;
@@ -66,9 +66,9 @@ impl Judge<'_> {
 
     fn always(&self) -> Claim {
         let paper = self.runs(methods::PAPER, |_| true);
-        let mild = self.runs(methods::SHIPPED, |_| true);
+        let guarded = self.runs(methods::SHIPPED, |_| true);
         let fates: Vec<String> = paper.iter().map(|run| fate(run)).collect();
-        let shipped = mild.iter().filter(|run| run.is_stable()).count();
+        let shipped = guarded.iter().filter(|run| run.is_stable()).count();
         Claim::new(
             ALWAYS,
             &format!(
@@ -76,7 +76,7 @@ impl Judge<'_> {
                 self.figure,
                 fates.join("; "),
                 methods::SHIPPED,
-                mild.len()
+                guarded.len()
             ),
             verdict(paper.iter().all(|run| run.is_stable())),
         )
@@ -122,7 +122,7 @@ impl Judge<'_> {
                 text(&runs),
                 text(&equal)
             ),
-            if runs.iter().chain(&equal).all(|run| run.iterations() <= DELAY) {
+            if runs.iter().all(|run| run.iterations() <= DELAY) {
                 Verdict::NotTestable
             } else {
                 verdict(runs.iter().all(|run| !run.is_stable()))

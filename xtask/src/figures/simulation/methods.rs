@@ -74,11 +74,12 @@ pub fn methods() -> Vec<Method> {
     ]
 }
 
-/// The methods on a scene: on tetrahedra, whose projections cost most, all but blocks compute them once for all particles before
-/// each sweep.
+/// The methods on a scene: on tetrahedra, whose projections cost most, those that compute them anew for each vertex do so once for all
+/// particles before each sweep instead; blocks cannot.
 pub fn methods_for(scene: &Scene) -> Vec<Method> {
     let mut all = methods();
-    if !scene.model.constraints().tet_strain.is_empty() {
+    let constraints = scene.model.constraints();
+    if !constraints.tet_strain.is_empty() || !constraints.tet_volume.is_empty() {
         all.iter_mut().for_each(split);
     }
     all
@@ -89,13 +90,6 @@ fn split(method: &mut Method) {
         let (local, vertex) = (LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal);
         method.solver.framework = Framework::ProjectiveDynamics { local, vertex };
     }
-}
-
-/// Whether it works color by color.
-pub fn is_colored(method: &Method) -> bool {
-    use Relaxation as R;
-    let relaxation = method.solver.relaxation;
-    !matches!(relaxation, R::Jacobi { .. } | R::Chebyshev { .. } | R::Lexicographic { .. } | R::Direct)
 }
 
 /// The method of this name.
@@ -117,10 +111,10 @@ pub fn with_position_based() -> Vec<Method> {
     all
 }
 
-/// Whether a method is as the library ships it: under the safeguard, over-relaxed by no more than 1.7.
+/// Whether a method must survive everything: the default, and what is under the safeguard and over-relaxed by no more than 1.7.
 pub fn is_shipped(method: &Method) -> bool {
     let is_mild = !matches!(method.solver.relaxation, Relaxation::GaussSeidel { omega, .. } if omega > 1.75);
-    method.solver.safeguard && is_mild
+    method.solver == Solver::default() || method.solver.safeguard && is_mild
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ impl Sizes {
 
     /// The paper's sizes.
     pub fn normal() -> Self {
-        Self { vertices: 10_000, n_frames: 60, every: 6, most_sweeps: 512, still: 420 }
+        Self { vertices: 10_000, n_frames: 40, every: 8, most_sweeps: 512, still: 420 }
     }
 
     /// The paper's sizes, longer and closer.
@@ -153,7 +153,7 @@ impl Comparison {
 
     fn figure(&self, context: &Context<'_>, subject: &Subject<'_>, command: &str) -> Figure {
         let caption = format!(
-            "{}\n\n{}\n\nError: distance to the converged end of the same frame, begun at the method\u{2019}s own state, over that of the prediction: 1 is as good as no solver. h = 1/30 s. A cross: numbers ran out, or a particle was more than {} sizes of the scene and twice a free fall from its start; the curve ends there. Methods named \u{201c}safe\u{201d} watch the objective and ease acceleration; the others do exactly what they are told, as in the paper. Times: {}. Sweeps are the same on every machine (a symmetric iteration is two; a 3x3 block sweep costs more; one iteration of Direct solves the global system). On tetrahedra all methods but 3x3 blocks compute all projections once before each sweep; anew for each particle, as in the paper, an iteration takes ten times as long.",
+            "{}\n\n{}\n\nError: distance to the converged end of the same frame, begun at the method\u{2019}s own state, over that of the prediction: 1 is as good as no solver. h = 1/30 s. A cross: numbers ran out, or a particle was more than {} sizes of the scene and twice a free fall from its start; the curve ends there. Methods named \u{201c}safe\u{201d} watch the objective and ease acceleration; the others do exactly what they are told, as in the paper. Times: {}. Sweeps are the same on every machine (a symmetric iteration is two; a 3x3 block sweep costs more; one iteration of Direct solves the global system). On tetrahedra all methods but 3x3 blocks compute all projections once before each sweep (the split one once in eight); anew for each particle, as in the paper, an iteration takes ten times as long.",
             self.in_short(),
             self.scene.caption,
             runs::FAR,

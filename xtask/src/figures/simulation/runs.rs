@@ -65,7 +65,7 @@ pub struct Run {
     pub blown_up: Option<u32>,
     /// The states after the frames that were kept.
     pub kept: Vec<(u32, State)>,
-    /// Mean time of all frames \[ms\].
+    /// Mean time of all frames that were played \[ms\].
     pub mean_ms: f64,
 }
 
@@ -138,9 +138,9 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
             }
         };
         let ms = milliseconds(&report);
-        run.mean_ms += ms / f64::from(plan.n_frames);
+        run.mean_ms += (ms - run.mean_ms) / f64::from(frame);
         if let Some(before) = before {
-            let colors = if methods::is_colored(method) { report.colors } else { 0 };
+            let colors = report.colors;
             let iterations = report.iterations;
             run.frames.push(Frame { frame, error: f64::NAN, iterations, colors, ms });
             looked_at.push((before, state.positions.clone()));

@@ -69,14 +69,18 @@ fn contents(scene: &vivace_scene::Scene, model: &Model) -> String {
     format!("{} ({})", parts.join(", "), materials.join("; "))
 }
 
+/// Vertices along a side of a square cloth of about `n_vertices`.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rounded square root")]
+pub fn side(n_vertices: usize) -> usize {
+    ((n_vertices as f64).sqrt().round() as usize).max(3)
+}
+
 /// Figures 4 and 6: a cloth of about `n_vertices`, a square meter, held at two corners.
 ///
 /// # Errors
 /// A size without a mesh.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rounded square root")]
 pub fn tablecloth(n_vertices: usize) -> Result<Scene, SceneError> {
-    let width = ((n_vertices as f64).sqrt().round() as usize).max(3);
-    let scene = Scene::build(&vivace_scene::tablecloth(width), Path::new("."))?;
+    let scene = Scene::build(&vivace_scene::tablecloth(side(n_vertices)), Path::new("."))?;
     Ok(scene.with_note("It begins flat and level, held at two corners."))
 }
 
