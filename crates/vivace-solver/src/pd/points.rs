@@ -135,9 +135,7 @@ impl PointsMut<'_> {
             }
         }
     }
-}
 
-impl PointsMut<'_> {
     /// Takes the `values` from `first` on.
     pub(crate) fn copy_from(&mut self, first: usize, values: &Points) {
         let axes = [&mut *self.x, &mut *self.y, &mut *self.z].into_iter().zip(values.axes());

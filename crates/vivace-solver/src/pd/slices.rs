@@ -101,9 +101,7 @@ impl Slices {
         all.others.close();
         all
     }
-}
 
-impl Slices {
     /// The slice of a vertex.
     pub(crate) fn of_vertex(&self, i: usize) -> usize {
         self.slices.partition_point(|&(first, _)| first <= i) - 1
