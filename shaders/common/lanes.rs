@@ -7,6 +7,9 @@ use std::ops::{Add, Mul, Neg, Sub};
 use glam::{Vec3A, Vec4};
 use wide::{f32x4, f32x8};
 
+/// Lengths below this are 0 \[m\]; its square is a normal number.
+const TINY: f32 = 1e-18;
+
 /// Vectors, coordinate by coordinate: `f32x4` holds four of them, `f32x8` eight.
 #[derive(Debug, Clone, Copy)]
 pub struct Lanes3<V> {
@@ -49,6 +52,13 @@ impl Lanes3<f32x8> {
     /// Eight times 0.
     pub const ZERO: Self = Self { x: f32x8::ZERO, y: f32x8::ZERO, z: f32x8::ZERO };
 
+    /// Squared lengths; never 0, so that they may be divided by.
+    #[inline(always)]
+    #[must_use]
+    pub fn squared_length(self) -> f32x8 {
+        self.dot(self).fast_max(f32x8::splat(TINY * TINY))
+    }
+
     /// These eight.
     #[inline(always)]
     #[must_use]
@@ -73,6 +83,13 @@ impl Lanes3<f32x8> {
 impl Lanes3<f32x4> {
     /// Four times 0.
     pub const ZERO: Self = Self { x: f32x4::ZERO, y: f32x4::ZERO, z: f32x4::ZERO };
+
+    /// Lengths; never 0, so that they may be divided by.
+    #[inline(always)]
+    #[must_use]
+    pub fn length(self) -> f32x4 {
+        self.dot(self).fast_max(f32x4::splat(TINY * TINY)).sqrt()
+    }
 
     /// These four, and their fourth coordinates.
     #[inline(always)]

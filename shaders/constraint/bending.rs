@@ -123,16 +123,13 @@ impl Constraint<4, 1> for Bending {
         let k = |slot: usize| each(rest, |rest| rest.row[slot]);
         let k = [k(0), k(1), k(2), k(3)];
         let d = (q[1] - q[0]) * k[1] + (q[2] - q[0]) * k[2] + (q[3] - q[0]) * k[3];
-        let length = d.dot(d).fast_max(f32x4::splat(TINY * TINY)).sqrt();
+        let length = d.length();
         let u = d * (f32x4::ONE / length);
         let c = length - each(rest, |rest| rest.rest);
         let gradient = [u * k[0], u * k[1], u * k[2], u * k[3]];
         Some(Deviations { c, gradient, squared: [k[0] * k[0], k[1] * k[1], k[2] * k[2], k[3] * k[3]] })
     }
 }
-
-/// Lengths below this are 0 \[m\]; its square is a normal number.
-const TINY: f32 = 1e-18;
 
 #[cfg(test)]
 mod tests {

@@ -66,15 +66,12 @@ impl Constraint<2, 1> for Spring {
     #[inline]
     fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 2]) -> Option<Deviations<2>> {
         let d = q[1] - q[0];
-        let length = d.dot(d).fast_max(f32x4::splat(TINY * TINY)).sqrt();
+        let length = d.length();
         let u = d * (f32x4::ONE / length);
         let c = length - each(rest, |rest| rest.rest);
         Some(Deviations { c, gradient: [-u, u], squared: [f32x4::ONE; 2] })
     }
 }
-
-/// Lengths below this are 0 \[m\]; its square is a normal number.
-const TINY: f32 = 1e-18;
 
 #[cfg(test)]
 mod tests {

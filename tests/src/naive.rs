@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 
-use vivace_coloring::{Algorithm, ConstraintGraph, GraphView, RoundColoring};
+use vivace_coloring::{Algorithm, ConstraintGraph, GraphBuffers, RoundColoring};
 use vivace_kernels::{
     Backend, CountDown, Element, Host, Kernel, Map, RoundCount, Select, Update, View, Views,
 };
@@ -202,15 +202,8 @@ pub struct Rounds {
 /// # Panics
 /// When the device fails.
 pub fn in_rounds<B: Backend>(backend: &B, algorithm: Algorithm, graph: &ConstraintGraph) -> Option<Rounds> {
-    let csr = graph.csr();
-    let (offsets, neighbors) = (backend.upload(csr.offsets()), backend.upload(csr.items()));
-    let view = GraphView {
-        offsets: backend.view(&offsets),
-        neighbors: backend.view(&neighbors),
-        n_vertices: graph.n_vertices(),
-        n_neighbors: csr.len(),
-    };
-    let RoundColoring { colors, count, stragglers } = algorithm.run(backend, view)?;
+    let graph = GraphBuffers::upload(backend, graph);
+    let RoundColoring { colors, count, stragglers } = algorithm.run(backend, graph.view(backend))?;
     let stragglers = backend.indices(&stragglers).expect("a device that works");
     Some(Rounds { stragglers, count, colors: backend.read(colors).expect("a device that works") })
 }

@@ -380,8 +380,11 @@ pub fn projective_dynamics() -> [Framework; 3] {
 /// Every combination of Projective Dynamics and a relaxation, without safeguard.
 #[must_use]
 pub fn projective_solvers() -> Vec<Solver> {
-    let mut all: Vec<Solver> = linear_relaxations().into_iter().map(plain).collect();
+    let mut all = Vec::new();
     for framework in projective_dynamics() {
+        all.extend(
+            linear_relaxations().into_iter().map(|relaxation| Solver { framework, ..plain(relaxation) }),
+        );
         all.extend(relaxations().into_iter().map(|relaxation| Solver { framework, ..plain(relaxation) }));
     }
     all

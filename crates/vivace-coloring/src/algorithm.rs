@@ -8,8 +8,8 @@ use vivace_graph::ConstraintGraph;
 use vivace_kernels::Backend;
 
 use crate::{
-    Coloring, GraphView, Order, RoundColoring, Vivace, blocked_first_fit, dsatur, first_fit, jones_plassmann,
-    largest_degree_first, luby, vivace,
+    Coloring, GraphBuffers, GraphView, Order, RoundColoring, Vivace, blocked_first_fit, dsatur, first_fit,
+    jones_plassmann, largest_degree_first, luby, vivace,
 };
 
 /// A way to color a graph.
@@ -158,24 +158,15 @@ impl Algorithm {
         backend: &B,
         graph: &ConstraintGraph,
     ) -> Result<Outcome, ColorOnError<B::Error>> {
-        let csr = graph.csr();
-        let (offsets, neighbors) = (backend.upload(csr.offsets()), backend.upload(csr.items()));
-        let view = GraphView {
-            offsets: backend.view(&offsets),
-            neighbors: backend.view(&neighbors),
-            n_vertices: graph.n_vertices(),
-            n_neighbors: csr.len(),
-        };
-        self.outcome(backend, view)?.ok_or(ColorOnError::NotInRounds(*self))
+        let graph = GraphBuffers::upload(backend, graph);
+        self.outcome(backend, graph.view(backend))?.ok_or(ColorOnError::NotInRounds(*self))
     }
 
     /// Goes through the motions of [`Algorithm::color_on`] for a graph of this size: what `vivace_gpu::Footprint` measures.
     pub fn rehearse<B: Backend>(&self, backend: &B, n_vertices: usize, n_edges: usize) {
-        let (offsets, neighbors) = (backend.filled(n_vertices + 1, 0), backend.filled(2 * n_edges, 0));
-        let (offsets, neighbors) = (backend.view(&offsets), backend.view(&neighbors));
-        let graph = GraphView { offsets, neighbors, n_vertices, n_neighbors: 2 * n_edges };
+        let graph = GraphBuffers::filled(backend, n_vertices, 2 * n_edges);
         // Nobody asks for the outcome.
-        drop(self.outcome(backend, graph));
+        drop(self.outcome(backend, graph.view(backend)));
     }
 
     /// Colors a graph where it lies and leaves the colors there; `None` for an algorithm that does not run in rounds.

@@ -50,8 +50,8 @@ pub use dissolve::dissolve_small_classes;
 pub use recolor::{Recolored, recolor};
 pub use reduce::reduce;
 pub use rounds::{
-    ConflictRule, GraphView, ROUND_LIMIT, RoundColoring, Vivace, jones_plassmann, largest_degree_first, luby,
-    vivace,
+    ConflictRule, GraphBuffers, GraphView, ROUND_LIMIT, RoundColoring, Vivace, jones_plassmann,
+    largest_degree_first, luby, vivace,
 };
 pub use serial::{Order, blocked_first_fit, dsatur, first_fit};
 pub use vivace_graph::{Adjacency, ConstraintGraph, DynamicGraph, GraphError};

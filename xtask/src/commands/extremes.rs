@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::reproduce_figures::{n_threads, workspace};
-use super::{CommandError, output};
+use super::reproduce_figures::workspace;
+use super::{CommandError, output, pool};
 use crate::extremes;
 use crate::report::{Report, RunInfo};
 
@@ -26,16 +26,15 @@ pub struct Args {
 
 /// Plays all cases and prints where the report is.
 pub fn run(args: Args) -> Result<(), CommandError> {
-    let n_threads = n_threads(args.threads);
-    let failed = |error: &dyn std::fmt::Display| CommandError::Failed(error.to_string());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().map_err(|e| failed(&e))?;
+    let pool = pool(args.threads)?;
     let quick = if args.quick { " --quick" } else { "" };
-    let command = format!("cargo xtask extremes{quick} --threads {n_threads}");
+    let command = format!("cargo xtask extremes{quick} --threads {}", pool.current_num_threads());
     let info = RunInfo::new("Vivace: extremes", &command, 0, &workspace());
     let out = args.out.unwrap_or_else(|| workspace().join("out/extremes"));
     let mut report = Report::create(&out, info)?;
-    let figure = pool.install(|| extremes::make(&command, args.quick)).map_err(|e| failed(&e))?;
+    let figure = pool
+        .install(|| extremes::make(&command, args.quick))
+        .map_err(|error| CommandError::Failed(error.to_string()))?;
     report.add(figure)?;
-    let page = report.finish()?;
-    output::print(&format!("{}\n", page.canonicalize().unwrap_or(page).display()))
+    output::print_page(&report.finish()?)
 }

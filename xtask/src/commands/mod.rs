@@ -22,6 +22,18 @@ use std::io;
 
 use crate::report::ReportError;
 
+/// As many threads as asked for, or as the machine has.
+fn n_threads(wanted: Option<u32>) -> usize {
+    let wanted = wanted.and_then(|n| usize::try_from(n).ok());
+    wanted.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
+}
+
+/// A pool of so many threads.
+fn pool(wanted: Option<u32>) -> Result<rayon::ThreadPool, CommandError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads(wanted)).build();
+    pool.map_err(|error| CommandError::Failed(error.to_string()))
+}
+
 /// Why a command ended without doing what it was asked to.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
+use std::path::Path;
 
 use super::CommandError;
 
@@ -14,6 +15,12 @@ const WIDTH: usize = 80;
 pub(crate) fn print(text: &str) -> Result<(), CommandError> {
     let mut stdout = io::stdout().lock();
     stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(CommandError::Output)
+}
+
+/// Says where a report's page is.
+pub(crate) fn print_page(page: &Path) -> Result<(), CommandError> {
+    let page = page.canonicalize().unwrap_or_else(|_| page.to_owned());
+    print(&format!("{}\n", page.display()))
 }
 
 /// Appends `label` and `value`, the value folded at blanks into a column of its own. A word too long for it is not cut: a path

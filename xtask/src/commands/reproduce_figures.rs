@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{CommandError, output};
+use super::{CommandError, n_threads, output};
 use crate::figures::{self, Options, Sizes};
 use crate::report::Progress;
 
@@ -56,17 +56,11 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     let page = figures::reproduce(&options, &mut progress)
         .map_err(|error| CommandError::Failed(error.to_string()))?;
     drop(progress);
-    output::print(&format!("{}\n", page.canonicalize().unwrap_or(page).display()))
+    output::print_page(&page)
 }
 
 /// The folder of the workspace that this program was built from.
 pub(super) fn workspace() -> PathBuf {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     package.parent().unwrap_or(package).to_owned()
-}
-
-/// As many threads as asked for, or as the machine has.
-pub(super) fn n_threads(wanted: Option<u32>) -> usize {
-    let wanted = wanted.and_then(|n| usize::try_from(n).ok());
-    wanted.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
 }

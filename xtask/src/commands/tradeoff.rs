@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::reproduce_figures::{n_threads, workspace};
-use super::{CommandError, output, scene};
+use super::reproduce_figures::workspace;
+use super::{CommandError, output, pool, scene};
 use crate::figures::quoted;
 use crate::figures::simulation::scenes::Scene;
 use crate::report::{Progress, Report, RunInfo};
@@ -39,11 +39,10 @@ pub struct Args {
 
 /// Measures, and prints where the report is.
 pub fn run(args: Args) -> Result<(), CommandError> {
-    let n_threads = n_threads(args.threads);
-    let failed = |error: &dyn std::fmt::Display| CommandError::Failed(error.to_string());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().map_err(|e| failed(&e))?;
+    let pool = pool(args.threads)?;
     let (scene, folder) = scene::load(&args.scene, args.vertices)?;
-    let named = |error: &dyn std::fmt::Display| failed(&format!("{}: {error}", args.scene.display()));
+    let named =
+        |error: &dyn std::fmt::Display| CommandError::Failed(format!("{}: {error}", args.scene.display()));
     let scene = pool.install(|| Scene::build(&scene, &folder)).map_err(|e| named(&e))?;
     let mut command = format!("cargo xtask tradeoff {}", quoted(&args.scene));
     if args.quick {
@@ -52,7 +51,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     if let Some(n) = args.vertices {
         command += &format!(" --vertices {n}");
     }
-    command += &format!(" --warm-frames {} --threads {n_threads}", args.warm_frames);
+    command += &format!(" --warm-frames {} --threads {}", args.warm_frames, pool.current_num_threads());
     let effort = if args.quick { Effort::quick() } else { Effort::normal() };
     let effort = Effort { warm_frames: args.warm_frames, ..effort };
     let info = RunInfo::new("Vivace: which solver for which budget", &command, 2016, &workspace());
@@ -64,6 +63,5 @@ pub fn run(args: Args) -> Result<(), CommandError> {
         .map_err(|e| named(&e))?;
     drop(progress);
     report.add(figure)?;
-    let page = report.finish()?;
-    output::print(&format!("{}\n", page.canonicalize().unwrap_or(page).display()))
+    output::print_page(&report.finish()?)
 }

@@ -68,6 +68,39 @@ impl<'a> GraphView<'a, Host> {
     }
 }
 
+/// A graph's own arrays on a backend.
+pub struct GraphBuffers<B: Backend> {
+    offsets: B::Buffer<u32>,
+    neighbors: B::Buffer<u32>,
+    n_vertices: usize,
+    n_neighbors: usize,
+}
+
+impl<B: Backend> GraphBuffers<B> {
+    /// A copy of `graph`.
+    pub fn upload(backend: &B, graph: &ConstraintGraph) -> Self {
+        let csr = graph.csr();
+        let (offsets, neighbors) = (backend.upload(csr.offsets()), backend.upload(csr.items()));
+        Self { offsets, neighbors, n_vertices: graph.n_vertices(), n_neighbors: csr.len() }
+    }
+
+    /// Room for a graph of this size.
+    pub(crate) fn filled(backend: &B, n_vertices: usize, n_neighbors: usize) -> Self {
+        let (offsets, neighbors) = (backend.filled(n_vertices + 1, 0), backend.filled(n_neighbors, 0));
+        Self { offsets, neighbors, n_vertices, n_neighbors }
+    }
+
+    /// The graph where it lies.
+    pub fn view<'a>(&'a self, backend: &'a B) -> GraphView<'a, B::Memory> {
+        GraphView {
+            offsets: backend.view(&self.offsets),
+            neighbors: backend.view(&self.neighbors),
+            n_vertices: self.n_vertices,
+            n_neighbors: self.n_neighbors,
+        }
+    }
+}
+
 /// Colors on a backend, proper and complete, with unused numbers where the algorithm leaves some.
 pub struct RoundColoring<B: Backend> {
     /// Color of each vertex.

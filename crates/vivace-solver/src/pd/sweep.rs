@@ -24,15 +24,6 @@ pub(crate) struct Vertices<'a> {
     pub(crate) passes: &'a [Box<dyn Pass>],
 }
 
-/// Lengths below this are 0 \[m\]; its square is a normal number.
-const TINY: f32 = 1e-18;
-
-/// At least [`TINY`] squared.
-#[inline]
-fn squared_length(d: Lanes3) -> f32x8 {
-    d.dot(d).fast_max(f32x8::splat(TINY * TINY))
-}
-
 /// The symmetric 3 × 3 block of each of eight vertices.
 #[derive(Debug, Clone, Copy)]
 struct Blocks {
@@ -56,7 +47,7 @@ impl Vertices<'_> {
         let mut sum = self.inertia(first, at);
         let springs = &self.slices.springs;
         springs.slots.for_each(slice, q, at, |slot, d| {
-            let length = squared_length(d).sqrt();
+            let length = d.squared_length().sqrt();
             sum = sum + d * (springs.slots.weights[slot] - springs.pulls[slot] / length);
         });
         let others = &self.slices.others;
@@ -84,7 +75,7 @@ impl Vertices<'_> {
         let mut sum = Lanes3::ZERO;
         let springs = &self.slices.springs;
         springs.slots.for_each(slice, q, at, |slot, d| {
-            sum = sum - d * (springs.pulls[slot] / squared_length(d).sqrt());
+            sum = sum - d * (springs.pulls[slot] / d.squared_length().sqrt());
         });
         sum
     }
@@ -134,7 +125,7 @@ impl Vertices<'_> {
         let (mut diagonal, mut off) = (Lanes3::ZERO, Lanes3::ZERO);
         let springs = &self.slices.springs;
         springs.slots.for_each(slice, q, at, |slot, d| {
-            let squared = squared_length(d);
+            let squared = d.squared_length();
             let stiffness = springs.stiffness[slot];
             let across = (stiffness - springs.pulls[slot] / squared.sqrt()).fast_max(f32x8::ZERO);
             isotropic += across - stiffness;
@@ -164,7 +155,7 @@ impl Vertices<'_> {
         let mut sum = from_anchor.dot(from_anchor) * load(self.anchor_weights, first);
         let springs = &self.slices.springs;
         springs.slots.for_each(slice, q, at, |slot, d| {
-            let squared = squared_length(d);
+            let squared = d.squared_length();
             let force = springs.stiffness[slot] * squared.sqrt() - springs.pulls[slot];
             sum += force * force * springs.compliance[slot] + springs.slots.linear[slot] * squared;
         });
