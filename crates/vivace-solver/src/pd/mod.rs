@@ -89,7 +89,7 @@ impl ProjectiveDynamics {
         let graph = model.graph()?;
         let layout = Layout::new(model, &graph);
         let rows = Rows::new(model, &graph, &layout);
-        let slices = Slices::new(&rows, &layout.classes, model.n_particles() + LANES);
+        let slices = Slices::new(&rows, &layout.classes);
         let passes = Passes::of(model, &layout)?;
         let all = &model.constraints().attachments;
         let held = all.particles.iter().zip(&all.rest);

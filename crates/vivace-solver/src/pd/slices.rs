@@ -67,7 +67,7 @@ type Source = [Option<usize>; LANES];
 
 impl Slices {
     /// Slices of `rows`. A class is a range of them.
-    pub(crate) fn new(rows: &Rows, classes: &[Range<usize>], n_points: usize) -> Self {
+    pub(crate) fn new(rows: &Rows, classes: &[Range<usize>]) -> Self {
         let mut all = Self::default();
         for class in classes {
             let first_slice = all.slices.len();
@@ -87,13 +87,13 @@ impl Slices {
                     };
                     (0..n).zip(0..).flat_map(of_lane)
                 };
-                for source in all.springs.slots.push_slice(first, section(true), rows, n_points) {
+                for source in all.springs.slots.push_slice(first, section(true), rows) {
                     all.springs.pulls.push(pick(&source, |entry| rows.pulls[entry]));
                     all.springs.stiffness.push(pick(&source, |entry| rows.stiffness[entry]));
                     let compliance = |entry: usize| rows.share(entry) / rows.stiffness[entry];
                     all.springs.compliance.push(pick(&source, compliance));
                 }
-                all.others.push_slice(first, section(false), rows, n_points);
+                all.others.push_slice(first, section(false), rows);
             }
             all.colors.push(first_slice..all.slices.len());
         }
@@ -115,19 +115,12 @@ fn pick(source: &Source, value: impl Fn(usize) -> f32) -> f32x8 {
 impl Slots {
     /// Adds the slots of a slice; returns where their lanes came from.
     #[expect(clippy::cast_possible_truncation, reason = "fewer slots than entries; columns are 32-bit")]
-    fn push_slice(
-        &mut self,
-        first: usize,
-        entries: impl Iterator<Item = Entry>,
-        rows: &Rows,
-        n_points: usize,
-    ) -> Vec<Source> {
+    fn push_slice(&mut self, first: usize, entries: impl Iterator<Item = Entry>, rows: &Rows) -> Vec<Source> {
         let mut entries: Vec<Entry> = entries.collect();
         entries.sort_unstable();
-        // The longest runs first; what would read beyond the points is none.
+        // The longest runs first; what would begin before the points is none. Behind them there is room.
         let mut runs: Vec<&[Entry]> = entries.chunk_by(|a, b| a.start == b.start).collect();
-        let is_run =
-            |run: &[Entry]| usize::try_from(run[0].start).is_ok_and(|start| start + LANES <= n_points);
+        let is_run = |run: &[Entry]| run[0].start >= 0;
         runs.sort_by_key(|run| (!is_run(run), std::cmp::Reverse(run.len())));
         let n_possible = runs.iter().take_while(|run| is_run(run)).count();
         let n_gathers = |n_runs: usize| {

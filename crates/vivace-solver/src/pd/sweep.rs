@@ -238,7 +238,7 @@ mod tests {
             let graph = model.graph().unwrap();
             let layout = Layout::new(&model, &graph);
             let rows = Rows::new(&model, &graph, &layout);
-            let slices = Slices::new(&rows, &layout.classes, model.n_particles() + LANES);
+            let slices = Slices::new(&rows, &layout.classes);
             let n_free = layout.n_free;
             let (mut q, mut anchors, pulls) =
                 (Points::zeros(model.n_particles()), Points::zeros(n_free), Points::zeros(n_free));
