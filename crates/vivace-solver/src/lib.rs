@@ -7,8 +7,10 @@
 mod budget;
 #[cfg(feature = "direct")]
 mod cholesky;
+mod engine;
 mod error;
 mod history;
+mod host;
 mod parallel;
 pub mod pbd;
 pub mod pd;

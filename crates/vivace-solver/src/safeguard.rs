@@ -20,7 +20,7 @@ const LONGEST: u32 = 16;
 
 impl Safeguard {
     /// At the start of a time step, before its first iteration.
-    pub(crate) fn begin(stages: &mut impl Stages) -> Self {
+    pub(crate) fn begin(stages: &mut dyn Stages) -> Self {
         stages.save();
         let objective = stages.objective();
         Self { lowest: objective, kept: objective, looked_at: 0, next_check: FIRST }
@@ -32,7 +32,7 @@ impl Safeguard {
     }
 
     /// Looks; returns whether the iterations since the last look were taken back.
-    pub(crate) fn check(&mut self, k: u32, stages: &mut impl Stages) -> bool {
+    pub(crate) fn check(&mut self, k: u32, stages: &mut dyn Stages) -> bool {
         self.looked_at = k;
         self.next_check = k + k.clamp(1, LONGEST);
         let objective = stages.objective();

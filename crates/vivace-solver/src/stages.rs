@@ -45,10 +45,10 @@ pub trait Stages {
     fn extrapolate(&mut self, omega: f32);
 
     /// Root mean square distance between q and what [`Stages::remember`] saw \[m\].
-    fn moved(&self) -> f32;
+    fn moved(&mut self) -> f32;
 
     /// The objective g(q) that the time step minimises \[J\]: inertia and the energy of the constraints.
-    fn objective(&self) -> f64;
+    fn objective(&mut self) -> f64;
 
     /// By how much of itself the objective may rise without cause for alarm: rounding in `f32`, which averages to 10⁻⁵ over a few
     /// hundred nearly unstretched springs. What diverges grows by factors.

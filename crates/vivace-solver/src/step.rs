@@ -41,7 +41,7 @@ impl Ease {
 
 /// Lines 3 to 8 of Algorithm 1: iterations until `budget` is spent, on positions that were predicted before.
 pub(crate) fn solve(
-    stages: &mut impl Stages,
+    stages: &mut dyn Stages,
     solver: &Solver,
     budget: &Budget,
     start: Instant,

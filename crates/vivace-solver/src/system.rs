@@ -2,13 +2,15 @@
 
 use std::time::Instant;
 
-use glam::{DMat3, Vec3};
+use glam::Vec3;
 use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 
+use crate::engine::Engine;
+use crate::host::Host;
 use crate::pbd::PositionBased;
 use crate::pd::ProjectiveDynamics;
 use crate::step::{Ease, solve};
-use crate::{Budget, Framework, Relaxation, Solver, SolverError, Stages, StepReport};
+use crate::{Budget, Framework, Relaxation, Solver, SolverError, StepReport};
 
 /// A model with everything that does not change from frame to frame: coloring, matrix, scratch. A step allocates nothing after the
 /// first of its size.
@@ -18,35 +20,20 @@ use crate::{Budget, Framework, Relaxation, Solver, SolverError, Stages, StepRepo
 pub struct System {
     model: Model,
     solver: Solver,
-    engine: Engine,
+    engine: Box<dyn Engine>,
     ease: Ease,
     is_measuring: bool,
-    /// Positions before the (sub)step, predicted, and after it; velocities and accelerations.
-    before: Vec<Vec3>,
-    predicted: Vec<Vec3>,
-    after: Vec<Vec3>,
-    velocities: Vec<Vec3>,
-    accelerations: Vec<Vec3>,
-    /// Scratch of the wind: empty without one.
-    drags: Vec<DMat3>,
 }
 
-#[derive(Debug)]
-enum Engine {
-    ProjectiveDynamics(Box<ProjectiveDynamics>),
-    PositionBased(Box<PositionBased>),
-}
-
-impl Engine {
-    fn new(model: &Model, solver: &Solver) -> Result<Self, SolverError> {
-        Ok(match solver.framework {
-            Framework::ProjectiveDynamics { local, vertex } => {
-                let pd = ProjectiveDynamics::new(model, local, vertex, solver.relaxation)?;
-                Self::ProjectiveDynamics(Box::new(pd))
-            }
-            Framework::PositionBased => Self::PositionBased(Box::new(PositionBased::new(model)?)),
-        })
-    }
+/// The engine that runs `solver`.
+fn engine(model: &Model, solver: &Solver) -> Result<Box<dyn Engine>, SolverError> {
+    let n = model.n_particles();
+    Ok(match solver.framework {
+        Framework::ProjectiveDynamics { local, vertex } => {
+            Box::new(Host::new(ProjectiveDynamics::new(model, local, vertex, solver.relaxation)?, n))
+        }
+        Framework::PositionBased => Box::new(Host::new(PositionBased::new(model)?, n)),
+    })
 }
 
 impl System {
@@ -56,21 +43,8 @@ impl System {
     /// Parameters out of range; a combination that does not exist; more constraints than 32 bits can number.
     pub fn new(model: Model, solver: Solver) -> Result<Self, SolverError> {
         solver.check()?;
-        let engine = Engine::new(&model, &solver)?;
-        let zeros = || vec![Vec3::ZERO; model.n_particles()];
-        Ok(Self {
-            solver,
-            engine,
-            ease: Ease::default(),
-            is_measuring: false,
-            before: zeros(),
-            predicted: zeros(),
-            after: zeros(),
-            velocities: zeros(),
-            accelerations: zeros(),
-            drags: Vec::new(),
-            model,
-        })
+        let engine = engine(&model, &solver)?;
+        Ok(Self { model, solver, engine, ease: Ease::default(), is_measuring: false })
     }
 
     /// The model.
@@ -91,7 +65,7 @@ impl System {
     /// As [`System::new`]; the old solver stays.
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SolverError> {
         solver.check()?;
-        self.engine = Engine::new(&self.model, &solver)?;
+        self.engine = engine(&self.model, &solver)?;
         self.solver = solver;
         self.ease = Ease::default();
         Ok(())
@@ -119,29 +93,20 @@ impl System {
     /// As [`Model::set_attachment_target`].
     pub fn set_attachment_target(&mut self, idx: usize, target: Vec3) -> Result<(), ModelError> {
         self.model.set_attachment_target(idx, target)?;
-        match &mut self.engine {
-            Engine::ProjectiveDynamics(pd) => pd.set_attachment_target(idx, target),
-            Engine::PositionBased(pbd) => pbd.set_attachment_target(idx, target),
-        }
+        self.engine.set_attachment_target(idx, target);
         Ok(())
     }
 
     /// How many colors a sweep has.
     #[must_use]
     pub fn n_colors(&self) -> usize {
-        match &self.engine {
-            Engine::ProjectiveDynamics(pd) => pd.n_colors(),
-            Engine::PositionBased(pbd) => pbd.n_colors(),
-        }
+        self.engine.n_colors()
     }
 
     /// How many passes beside the sweep itself an iteration has: one for each kind of constraint that needs one.
     #[must_use]
     pub fn n_passes(&self) -> usize {
-        match &self.engine {
-            Engine::ProjectiveDynamics(pd) => pd.n_passes(),
-            Engine::PositionBased(pbd) => pbd.n_passes(),
-        }
+        self.engine.n_passes()
     }
 
     /// Advances `state` by `h` \[s\]: Algorithm 1, once for each small step.
@@ -161,14 +126,11 @@ impl System {
         forces.check()?;
         state.check(&self.model)?;
         check_time_step(h)?;
-        self.before.copy_from_slice(&state.positions);
-        self.velocities.copy_from_slice(&state.velocities);
         let n_substeps = self.solver.substeps.min(budget.iterations.unwrap_or(u32::MAX)).max(1);
         let small_h = h / n_substeps as f32;
         let mut report = StepReport::default();
-        if let Engine::ProjectiveDynamics(pd) = &mut self.engine {
-            pd.prepare(small_h)?;
-        }
+        self.engine.prepare(small_h)?;
+        self.engine.load(state);
         report.times.setup = start.elapsed().as_secs_f64();
         for substep in 0..n_substeps {
             let share = share_of(&budget, substep, n_substeps);
@@ -181,16 +143,10 @@ impl System {
         if self.solver.relaxation.is_colored() {
             report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
         }
-        let is_bad =
-            |i: &usize| !(State::is_in_range(self.after[*i]) && State::is_in_range(self.velocities[*i]));
-        // A pinned particle is never the cause: it has moved by 0 times what is not finite.
-        let cause = |i: &usize| (self.model.masses()[*i].is_infinite(), *i);
-        if let Some(particle) = (0..self.after.len()).filter(is_bad).min_by_key(cause) {
+        if let Err(error) = self.engine.store(&self.model, state) {
             self.ease = ease;
-            return Err(SolverError::Diverged { particle });
+            return Err(error);
         }
-        state.positions.copy_from_slice(&self.after);
-        state.velocities.copy_from_slice(&self.velocities);
         report.times.finish += finish_start.elapsed().as_secs_f64();
         Ok(report)
     }
@@ -198,56 +154,20 @@ impl System {
     /// Algorithm 1.
     fn substep(&mut self, forces: &Forces, h: f32, budget: &Budget, start: Instant, report: &mut StepReport) {
         let predict_start = Instant::now();
-        self.predict(forces, h);
+        self.engine.predict(&self.model, forces, h);
         let solve_start = Instant::now();
         report.times.predict += (solve_start - predict_start).as_secs_f64();
-        match &mut self.engine {
-            Engine::ProjectiveDynamics(pd) => {
-                pd.begin(&self.predicted);
-                solve(&mut **pd, &self.solver, budget, start, &mut self.ease, report);
-                pd.end(&mut self.after);
-            }
-            Engine::PositionBased(pbd) => {
-                pbd.begin(h, &self.predicted);
-                solve(&mut **pbd, &self.solver, budget, start, &mut self.ease, report);
-                pbd.end(&mut self.after);
-            }
-        }
+        self.engine.begin(h);
+        solve(self.engine.stages(), &self.solver, budget, start, &mut self.ease, report);
         let finish_start = Instant::now();
         report.times.solve += (finish_start - solve_start).as_secs_f64();
-        self.update_velocities(forces, h);
-        self.before.copy_from_slice(&self.after);
+        self.engine.update_velocities(forces, h);
         report.times.finish += finish_start.elapsed().as_secs_f64();
-    }
-
-    /// Line 1: `q⁰ = q + h v + h² M⁻¹ f`.
-    fn predict(&mut self, forces: &Forces, h: f32) {
-        self.accelerations.fill(forces.gravity);
-        let (q, v) = (&self.before, &self.velocities);
-        forces.add_wind(&self.model, h.into(), q, v, &mut self.drags, |particle, acceleration| {
-            self.accelerations[particle] += acceleration.as_vec3();
-        });
-        for (particle, predicted) in self.predicted.iter_mut().enumerate() {
-            let (q, v) = (self.before[particle], self.velocities[particle]);
-            let is_free = self.model.masses()[particle].is_finite();
-            *predicted = if is_free { q + h * (v + h * self.accelerations[particle]) } else { q };
-        }
-    }
-
-    /// Line 9: `v = (q' − q) / h`, damped.
-    fn update_velocities(&mut self, forces: &Forces, h: f32) {
-        let scale = (-forces.damping * h).exp() / h;
-        for ((velocity, after), before) in self.velocities.iter_mut().zip(&self.after).zip(&self.before) {
-            *velocity = (*after - *before) * scale;
-        }
     }
 
     /// The last small step, as it was left.
     fn measure(&mut self, report: &mut StepReport) {
-        let stages: &mut dyn Stages = match &mut self.engine {
-            Engine::ProjectiveDynamics(pd) => &mut **pd,
-            Engine::PositionBased(pbd) => &mut **pbd,
-        };
+        let stages = self.engine.stages();
         report.objective = Some(stages.objective());
         report.residual = Some(stages.residual());
     }

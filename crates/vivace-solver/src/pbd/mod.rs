@@ -14,6 +14,7 @@ use glam::{Vec3, Vec4};
 use vivace_model::Model;
 
 use crate::history::History;
+use crate::host::Solve;
 use crate::parallel::sum;
 use crate::{Preconditioner, SolverError, Stages};
 use kind::{Kind, Kinds};
@@ -60,25 +61,24 @@ impl PositionBased {
             sums: vec![Vec4::ZERO; n],
         })
     }
+}
 
-    /// Number of classes of constraints.
-    #[must_use]
-    pub fn n_colors(&self) -> usize {
-        self.n_colors as usize
-    }
-
-    /// How many kinds of constraints there are: one pass each.
-    #[must_use]
-    pub fn n_passes(&self) -> usize {
+impl Solve for PositionBased {
+    /// One for each kind.
+    fn n_passes(&self) -> usize {
         self.kinds.len()
     }
 
-    pub(crate) fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
+    fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
         self.kinds.iter_mut().for_each(|kind| kind.set_attachment_target(idx, target));
     }
 
-    /// Begins a step of `h` \[s\] from `predicted` \[m\].
-    pub(crate) fn begin(&mut self, h: f32, predicted: &[Vec3]) {
+    /// Nothing here depends on the time step alone.
+    fn prepare(&mut self, _: f32) -> Result<(), SolverError> {
+        Ok(())
+    }
+
+    fn begin(&mut self, h: f32, predicted: &[Vec3]) {
         self.h = h;
         for (q, &p) in self.q.iter_mut().zip(predicted) {
             *q = p.extend(q.w);
@@ -88,8 +88,7 @@ impl PositionBased {
         self.kinds.iter_mut().for_each(|kind| kind.begin(h));
     }
 
-    /// Writes the positions \[m\].
-    pub(crate) fn end(&self, positions: &mut [Vec3]) {
+    fn end(&self, positions: &mut [Vec3]) {
         for (position, &q) in positions.iter_mut().zip(&self.q) {
             *position = q.truncate();
         }
@@ -152,7 +151,7 @@ impl Stages for PositionBased {
         self.kinds.iter_mut().for_each(|kind| kind.extrapolate(omega));
     }
 
-    fn moved(&self) -> f32 {
+    fn moved(&mut self) -> f32 {
         let before = self.history.before();
         let squared = |i: usize| f64::from((self.q[i] - before[i]).length_squared());
         #[expect(clippy::cast_possible_truncation, reason = "positions are f32")]
@@ -160,7 +159,7 @@ impl Stages for PositionBased {
         moved
     }
 
-    fn objective(&self) -> f64 {
+    fn objective(&mut self) -> f64 {
         let of = |i: usize| {
             let (squared, w) = (f64::from((self.q[i] - self.predicted[i]).length_squared()), self.q[i].w);
             if w > 0.0 { squared / (2.0 * f64::from(w) * f64::from(self.h * self.h)) } else { 0.0 }

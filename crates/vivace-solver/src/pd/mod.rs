@@ -19,6 +19,7 @@ use vivace_model::Model;
 use wide::f32x8;
 
 use crate::history::History;
+use crate::host::Solve;
 use crate::parallel::{Split, in_pieces, sum};
 use crate::{LocalStep, Preconditioner, Relaxation, SolverError, Stages, VertexSolve};
 use layout::Layout;
@@ -126,95 +127,10 @@ impl ProjectiveDynamics {
         })
     }
 
-    /// The coloring's number of classes.
-    #[must_use]
-    pub fn n_colors(&self) -> usize {
-        self.layout.classes.len()
-    }
-
-    /// How many local passes there are beside the rows of Y: one for each kind whose projections move with q.
-    #[must_use]
-    pub fn n_passes(&self) -> usize {
-        self.passes.len()
-    }
-
     /// How many entries Y has off its diagonal.
     #[must_use]
     pub fn n_entries(&self) -> usize {
         self.rows.columns.len()
-    }
-
-    /// The parameters of a time step `h` \[s\]: inertia, diagonal, factor. Returns at once where they are the same.
-    ///
-    /// # Errors
-    /// A diagonal that `f32` cannot hold; Y cannot be factored, or the feature `direct` is missing.
-    pub(crate) fn prepare(&mut self, h: f32) -> Result<(), SolverError> {
-        if self.h == h {
-            return Ok(());
-        }
-        // Nothing holds for any time step until all does.
-        self.h = 0.0;
-        for (weight, mass) in self.anchor_weights.iter_mut().zip(&self.masses) {
-            *weight = mass / (h * h);
-        }
-        for &(slot, _, stiffness) in &self.attachments {
-            if let Some(weight) = self.anchor_weights.get_mut(slot as usize) {
-                *weight += stiffness;
-            }
-        }
-        let diagonal = self.rows.diagonal.iter().zip(&self.anchor_weights).map(|(a, b)| a + b);
-        for ((inverse, diagonal), &particle) in
-            self.inverse_diagonal.iter_mut().zip(diagonal).zip(&self.layout.order)
-        {
-            *inverse = 1.0 / diagonal;
-            // Otherwise what is heavy or stiff beyond numbers would be pinned, and nobody would know.
-            if !inverse.is_normal() {
-                return Err(SolverError::Weight { particle, weight: diagonal });
-            }
-        }
-        if self.is_direct {
-            #[cfg(feature = "direct")]
-            {
-                self.factor = Some(direct::Factor::new(&self.rows, &self.anchor_weights)?);
-            }
-            #[cfg(not(feature = "direct"))]
-            return Err(SolverError::NoDirect);
-        }
-        self.h = h;
-        Ok(())
-    }
-
-    /// Moves the target of attachment `idx` \[m\].
-    pub(crate) fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
-        if let Some(attachment) = self.attachments.get_mut(idx) {
-            attachment.1 = target.into();
-        }
-    }
-
-    /// Begins a step of `h` \[s\] from `predicted` (s of Eq. 1) \[m\], in the model's order.
-    pub(crate) fn begin(&mut self, predicted: &[Vec3]) {
-        let Self { layout, q, anchors, anchor_weights, masses, h, .. } = self;
-        for (slot, &particle) in layout.order.iter().enumerate() {
-            q.set(slot, predicted[particle as usize].into());
-        }
-        for (slot, weight) in anchor_weights.iter().enumerate() {
-            // 1 where nothing is attached.
-            anchors.set(slot, q.get(slot) * (masses[slot] / (*h * *h) / weight));
-        }
-        for &(slot, target, stiffness) in &self.attachments {
-            if layout.is_free(slot) {
-                let slot = slot as usize;
-                anchors.set(slot, anchors.get(slot) + target * (stiffness / anchor_weights[slot]));
-            }
-        }
-        self.history.begin(self.q.data());
-    }
-
-    /// Writes the positions, in the model's order \[m\].
-    pub(crate) fn end(&self, positions: &mut [Vec3]) {
-        for (slot, &particle) in self.layout.order.iter().enumerate() {
-            positions[particle as usize] = self.q.get(slot).into();
-        }
     }
 
     fn vertices(&self) -> Vertices<'_> {
@@ -272,6 +188,80 @@ impl ProjectiveDynamics {
     fn apply_residual_solution(&mut self) {
         for (slot, step) in self.residual.iter().enumerate() {
             self.q.set(slot, self.q.get(slot) + Vec3A::from(*step));
+        }
+    }
+}
+
+impl Solve for ProjectiveDynamics {
+    /// One for each kind whose projections move with q.
+    fn n_passes(&self) -> usize {
+        self.passes.len()
+    }
+
+    /// Inertia, diagonal, factor. A diagonal may not fit `f32`, Y may have no factor, the feature `direct` may be missing.
+    fn prepare(&mut self, h: f32) -> Result<(), SolverError> {
+        if self.h == h {
+            return Ok(());
+        }
+        // Nothing holds for any time step until all does.
+        self.h = 0.0;
+        for (weight, mass) in self.anchor_weights.iter_mut().zip(&self.masses) {
+            *weight = mass / (h * h);
+        }
+        for &(slot, _, stiffness) in &self.attachments {
+            if let Some(weight) = self.anchor_weights.get_mut(slot as usize) {
+                *weight += stiffness;
+            }
+        }
+        let diagonal = self.rows.diagonal.iter().zip(&self.anchor_weights).map(|(a, b)| a + b);
+        for ((inverse, diagonal), &particle) in
+            self.inverse_diagonal.iter_mut().zip(diagonal).zip(&self.layout.order)
+        {
+            *inverse = 1.0 / diagonal;
+            // Otherwise what is heavy or stiff beyond numbers would be pinned, and nobody would know.
+            if !inverse.is_normal() {
+                return Err(SolverError::Weight { particle, weight: diagonal });
+            }
+        }
+        if self.is_direct {
+            #[cfg(feature = "direct")]
+            {
+                self.factor = Some(direct::Factor::new(&self.rows, &self.anchor_weights)?);
+            }
+            #[cfg(not(feature = "direct"))]
+            return Err(SolverError::NoDirect);
+        }
+        self.h = h;
+        Ok(())
+    }
+
+    fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
+        if let Some(attachment) = self.attachments.get_mut(idx) {
+            attachment.1 = target.into();
+        }
+    }
+
+    fn begin(&mut self, _: f32, predicted: &[Vec3]) {
+        let Self { layout, q, anchors, anchor_weights, masses, h, .. } = self;
+        for (slot, &particle) in layout.order.iter().enumerate() {
+            q.set(slot, predicted[particle as usize].into());
+        }
+        for (slot, weight) in anchor_weights.iter().enumerate() {
+            // 1 where nothing is attached.
+            anchors.set(slot, q.get(slot) * (masses[slot] / (*h * *h) / weight));
+        }
+        for &(slot, target, stiffness) in &self.attachments {
+            if layout.is_free(slot) {
+                let slot = slot as usize;
+                anchors.set(slot, anchors.get(slot) + target * (stiffness / anchor_weights[slot]));
+            }
+        }
+        self.history.begin(self.q.data());
+    }
+
+    fn end(&self, positions: &mut [Vec3]) {
+        for (slot, &particle) in self.layout.order.iter().enumerate() {
+            positions[particle as usize] = self.q.get(slot).into();
         }
     }
 }
@@ -397,7 +387,7 @@ impl Stages for ProjectiveDynamics {
         self.history.extrapolate(self.q.data_mut(), omega);
     }
 
-    fn moved(&self) -> f32 {
+    fn moved(&mut self) -> f32 {
         let (q, before) = (self.q.data(), self.history.before());
         let squared = |k: usize| f64::from((q[k] - before[k]) * (q[k] - before[k]));
         #[expect(clippy::cast_possible_truncation, reason = "positions are f32")]
@@ -405,7 +395,7 @@ impl Stages for ProjectiveDynamics {
         moved
     }
 
-    fn objective(&self) -> f64 {
+    fn objective(&mut self) -> f64 {
         let vertices = self.vertices();
         let rows = sum(0..self.slices.slices.len(), &|slice| vertices.objective(slice, &self.q));
         rows + self.passes.iter().map(|pass| pass.energy(&self.q)).sum::<f64>()

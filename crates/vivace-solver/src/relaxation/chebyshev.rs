@@ -34,7 +34,7 @@ impl Weights {
 }
 
 /// One iteration of `sweep`, extrapolated from the positions before the last: `q = q⁻ + weight · (q̂ − q⁻)`.
-pub(super) fn accelerated<S: Stages>(stages: &mut S, weight: f32, sweep: impl FnOnce(&mut S)) {
+pub(super) fn accelerated(stages: &mut dyn Stages, weight: f32, sweep: impl FnOnce(&mut dyn Stages)) {
     stages.remember();
     sweep(stages);
     stages.extrapolate(weight);

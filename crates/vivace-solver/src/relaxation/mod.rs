@@ -36,7 +36,7 @@ impl Schedule {
     }
 
     /// One iteration: the body of the loop in Algorithm 1, after the local step where it is apart.
-    pub(crate) fn iterate(&mut self, stages: &mut impl Stages) {
+    pub(crate) fn iterate(&mut self, stages: &mut dyn Stages) {
         if self.sweeps == 0 || self.sweeps >= stages.n_sweeps() {
             stages.project();
             self.sweeps = 0;

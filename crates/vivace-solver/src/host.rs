@@ -1,0 +1,129 @@
+//! An engine on the host: what both frameworks share there, before and after they solve.
+
+use std::fmt::Debug;
+
+use glam::{DMat3, Vec3};
+use vivace_model::{Forces, Model, State};
+
+use crate::engine::Engine;
+use crate::{SolverError, Stages};
+
+/// A framework on the host.
+pub(crate) trait Solve: Stages + Debug + Send + Sync {
+    /// How many passes an iteration has.
+    fn n_passes(&self) -> usize;
+
+    /// See [`Engine::set_attachment_target`].
+    fn set_attachment_target(&mut self, idx: usize, target: Vec3);
+
+    /// See [`Engine::prepare`].
+    fn prepare(&mut self, h: f32) -> Result<(), SolverError>;
+
+    /// Begins a step of `h` \[s\] from `predicted` (s of Eq. 1) \[m\], in the model's order.
+    fn begin(&mut self, h: f32, predicted: &[Vec3]);
+
+    /// Writes the positions, in the model's order \[m\].
+    fn end(&self, positions: &mut [Vec3]);
+}
+
+/// A framework, and what moves.
+#[derive(Debug)]
+pub(crate) struct Host<F> {
+    framework: F,
+    /// Positions before the (small) step, predicted, and after it; velocities and accelerations.
+    before: Vec<Vec3>,
+    predicted: Vec<Vec3>,
+    after: Vec<Vec3>,
+    velocities: Vec<Vec3>,
+    accelerations: Vec<Vec3>,
+    /// Scratch of the wind: empty without one.
+    drags: Vec<DMat3>,
+}
+
+impl<F: Solve> Host<F> {
+    /// For `n` particles.
+    pub(crate) fn new(framework: F, n: usize) -> Self {
+        let zeros = || vec![Vec3::ZERO; n];
+        Self {
+            framework,
+            before: zeros(),
+            predicted: zeros(),
+            after: zeros(),
+            velocities: zeros(),
+            accelerations: zeros(),
+            drags: Vec::new(),
+        }
+    }
+}
+
+impl<F: Solve> Engine for Host<F> {
+    fn n_colors(&self) -> usize {
+        self.framework.n_colors() as usize
+    }
+
+    fn n_passes(&self) -> usize {
+        self.framework.n_passes()
+    }
+
+    fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
+        self.framework.set_attachment_target(idx, target);
+    }
+
+    fn prepare(&mut self, h: f32) -> Result<(), SolverError> {
+        self.framework.prepare(h)
+    }
+
+    fn load(&mut self, state: &State) {
+        self.before.copy_from_slice(&state.positions);
+        self.velocities.copy_from_slice(&state.velocities);
+    }
+
+    fn predict(&mut self, model: &Model, forces: &Forces, h: f32) {
+        self.accelerations.fill(forces.gravity);
+        let (q, v) = (&self.before, &self.velocities);
+        forces.add_wind(model, h.into(), q, v, &mut self.drags, |particle, acceleration| {
+            self.accelerations[particle] += acceleration.as_vec3();
+        });
+        for (particle, predicted) in self.predicted.iter_mut().enumerate() {
+            let (q, v) = (self.before[particle], self.velocities[particle]);
+            let is_free = model.masses()[particle].is_finite();
+            *predicted = if is_free { q + h * (v + h * self.accelerations[particle]) } else { q };
+        }
+    }
+
+    fn begin(&mut self, h: f32) {
+        self.framework.begin(h, &self.predicted);
+    }
+
+    fn stages(&mut self) -> &mut dyn Stages {
+        &mut self.framework
+    }
+
+    fn update_velocities(&mut self, forces: &Forces, h: f32) {
+        self.framework.end(&mut self.after);
+        let scale = (-forces.damping * h).exp() / h;
+        for ((velocity, after), before) in self.velocities.iter_mut().zip(&self.after).zip(&self.before) {
+            *velocity = (*after - *before) * scale;
+        }
+        self.before.copy_from_slice(&self.after);
+    }
+
+    fn store(&mut self, model: &Model, state: &mut State) -> Result<(), SolverError> {
+        check_end(model, &self.after, &self.velocities)?;
+        state.positions.copy_from_slice(&self.after);
+        state.velocities.copy_from_slice(&self.velocities);
+        Ok(())
+    }
+}
+
+/// Whether a frame has ended in a state.
+///
+/// # Errors
+/// Names the particle that left the range of numbers.
+pub(crate) fn check_end(model: &Model, positions: &[Vec3], velocities: &[Vec3]) -> Result<(), SolverError> {
+    let is_bad = |i: &usize| !(State::is_in_range(positions[*i]) && State::is_in_range(velocities[*i]));
+    // A pinned particle is never the cause: it has moved by 0 times what is not finite.
+    let cause = |i: &usize| (model.masses()[*i].is_infinite(), *i);
+    let worst = (0..positions.len()).filter(is_bad).min_by_key(cause);
+    worst.map_or(Ok(()), |particle| Err(SolverError::Diverged { particle }))
+}
