@@ -17,6 +17,8 @@ pub mod coloring;
 pub mod constraint;
 #[path = "common/lanes.rs"]
 pub mod lanes;
+#[path = "local/mod.rs"]
+pub mod local;
 #[path = "common/mat3.rs"]
 pub mod mat3;
 #[path = "common/pcg.rs"]

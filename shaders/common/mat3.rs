@@ -6,6 +6,9 @@
 
 use glam::{Mat3, Vec3};
 
+/// The same in WGSL, one matrix at a time.
+pub const WGSL: &str = include_str!("mat3.wgsl");
+
 /// Sweeps of the Jacobi iteration. Convergence is quadratic: three or four are usual.
 const SWEEPS: usize = 12;
 

@@ -5,7 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::Constraint;
+use super::{BLOCK, COMMON, Constraint, DEVIATION, VEC3};
 
 /// Where a particle is held.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -19,6 +19,7 @@ pub struct Attachment {
 
 impl Constraint<1, 1> for Attachment {
     const NAME: &'static str = "attachment";
+    const WGSL: &'static [&'static str] = &[VEC3, COMMON, BLOCK, DEVIATION, include_str!("attachment.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -33,6 +33,13 @@ pub use triangle_strain::TriangleStrain;
 use crate::Element;
 use crate::lanes::{Lanes3, each};
 
+/// What every kind has in WGSL, and what kinds have by default.
+const COMMON: &str = include_str!("mod.wgsl");
+const VEC3: &str = include_str!("../common/vec3.wgsl");
+const APPLY: &str = include_str!("apply.wgsl");
+const BLOCK: &str = include_str!("block.wgsl");
+const DEVIATION: &str = include_str!("deviation.wgsl");
+
 /// Constraints that are projected together: what SSE2 and NEON hold in a register.
 pub const BATCH: usize = 4;
 
@@ -60,6 +67,8 @@ pub struct Deviations<const N: usize> {
 pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug {
     /// The kind's one name.
     const NAME: &'static str;
+    /// The kind in WGSL, in parts that are joined: constants N and R, the rest data as `Rest`, and these functions under these names.
+    const WGSL: &'static [&'static str];
 
     /// Weight w: \[N/m\] where A q is a length \[m\], \[J\] = \[N m\] where A q has no unit.
     fn weight(&self) -> f32;

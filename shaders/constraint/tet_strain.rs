@@ -7,8 +7,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 
-use super::Constraint;
-use crate::mat3::{rotation, rotations, svd};
+use super::{APPLY, COMMON, Constraint, DEVIATION, VEC3};
+use crate::mat3::{self, rotation, rotations, svd};
 
 /// The rest data of a tetrahedron.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -50,6 +50,8 @@ pub(super) fn gradient(x: [Vec3; 4], stiffness: f32) -> Option<([[f32; 3]; 4], f
 
 impl Constraint<4, 3> for TetStrain {
     const NAME: &'static str = "tet_strain";
+    const WGSL: &'static [&'static str] =
+        &[VEC3, mat3::WGSL, COMMON, APPLY, DEVIATION, include_str!("tet_strain.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

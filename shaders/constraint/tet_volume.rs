@@ -9,9 +9,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
 use wide::f32x4;
 
-use super::{BATCH, Constraint, Deviations, tet_strain::gradient};
+use super::{APPLY, BATCH, BLOCK, COMMON, Constraint, Deviations, VEC3, tet_strain::gradient};
 use crate::lanes::{Lanes3, each};
-use crate::mat3::svd;
+use crate::mat3::{self, svd};
 
 /// The rest data of a tetrahedron.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -89,6 +89,8 @@ fn nearest_with_product(sigma: Vec3, edge: f32) -> Vec3 {
 
 impl Constraint<4, 3> for TetVolume {
     const NAME: &'static str = "tet_volume";
+    const WGSL: &'static [&'static str] =
+        &[VEC3, mat3::WGSL, COMMON, APPLY, BLOCK, include_str!("tet_volume.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -7,8 +7,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, Vec3};
 
-use super::Constraint;
-use crate::mat3::{frame, jacobi};
+use super::{APPLY, BLOCK, COMMON, Constraint, DEVIATION, VEC3};
+use crate::mat3::{self, frame, jacobi};
 
 /// The rest data of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -47,6 +47,8 @@ impl TriangleStrain {
 
 impl Constraint<3, 2> for TriangleStrain {
     const NAME: &'static str = "triangle_strain";
+    const WGSL: &'static [&'static str] =
+        &[VEC3, mat3::WGSL, COMMON, APPLY, BLOCK, DEVIATION, include_str!("triangle_strain.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -186,7 +186,11 @@ fn from_pairs(n: u32, pairs: &[[u32; 2]]) -> ConstraintGraph {
     ConstraintGraph::from_edges(n as usize, pairs).expect("below n")
 }
 
-/// A vertex count; graphs are checked to fit 32 bits when they are made.
-pub(crate) fn to_u32(i: usize) -> u32 {
+/// An index or a count; graphs are checked to fit 32 bits when they are made.
+///
+/// # Panics
+/// Where it does not.
+#[must_use]
+pub fn to_u32(i: usize) -> u32 {
     u32::try_from(i).expect("a graph numbers its vertices in 32 bits")
 }

@@ -5,12 +5,64 @@ use naga::proc::BoundsCheckPolicies;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, ShaderStage, StorageAccess, TypeInner};
 use vivace_kernels::coloring::{AcceptColor, ProposeColor, SHADERS};
-use vivace_kernels::{Form, ListShader, Shader};
+use vivace_kernels::constraint::{
+    Attachment, Bending, Constraint, Spring, TetStrain, TetVolume, TriangleStrain,
+};
+use vivace_kernels::{Form, ListShader, Shader, local};
+
+/// The kernels over a kind.
+struct Kind {
+    name: &'static str,
+    shaders: Vec<Shader>,
+    /// Bytes and offsets of its rest data on the host.
+    size: usize,
+    offsets: &'static [usize],
+}
+
+impl Kind {
+    fn new<C: Constraint<N, R>, const N: usize, const R: usize>(offsets: &'static [usize]) -> Self {
+        let shaders = local::shaders::<C, N, R>().into();
+        Self { name: C::NAME, shaders, size: size_of::<C>(), offsets }
+    }
+}
+
+macro_rules! kinds {
+    ($($kind:ident<$n:literal, $r:literal>($($field:ident),*)),* $(,)?) => {
+        /// Every kind, with its fields.
+        fn kinds() -> Vec<Kind> {
+            vec![$(Kind::new::<$kind, $n, $r>(&[$(std::mem::offset_of!($kind, $field)),*])),*]
+        }
+    };
+}
+kinds!(
+    Attachment < 1,
+    1 > (target, stiffness),
+    Bending < 4,
+    1 > (row, rest, weight),
+    Spring < 2,
+    1 > (rest, stiffness),
+    TetStrain < 4,
+    3 > (columns, weight),
+    TetVolume < 4,
+    3 > (columns, weight, range, edges, inverse_det),
+    TriangleStrain < 3,
+    2 > (columns, weight, limit),
+);
+
+/// Every kernel, with the kind that it is over.
+fn kernels() -> Vec<(String, Shader)> {
+    let of_colorings = SHADERS.iter().map(|&shader| (shader.name.to_owned(), shader));
+    let of_kind = |kind: Kind| {
+        let name = move |shader: Shader| (format!("{} of {}", shader.name, kind.name), shader);
+        kind.shaders.into_iter().map(name).collect::<Vec<_>>()
+    };
+    of_colorings.chain(kinds().into_iter().flat_map(of_kind)).collect()
+}
 
 /// Name and text of each.
-fn all() -> Vec<(&'static str, String)> {
-    let kernels = SHADERS.iter().map(|shader| (shader.name, shader.wgsl()));
-    kernels.chain(ListShader::ALL.map(|shader| (shader.name(), shader.wgsl()))).collect()
+fn all() -> Vec<(String, String)> {
+    let kernels = kernels().into_iter().map(|(name, shader)| (name, shader.wgsl()));
+    kernels.chain(ListShader::ALL.map(|shader| (shader.name().to_owned(), shader.wgsl()))).collect()
 }
 
 /// The module, valid with no more than WebGPU promises.
@@ -62,8 +114,8 @@ fn wrong_bindings(shader: &Shader) -> Option<String> {
 
 #[test]
 fn bindings_match_their_declaration() {
-    for shader in &SHADERS {
-        assert_eq!(wrong_bindings(shader), None, "{} {:?}", shader.name, shader.form);
+    for (name, shader) in kernels() {
+        assert_eq!(wrong_bindings(&shader), None, "{name} {:?}", shader.form);
     }
     let mut wrong = Shader::select::<AcceptColor>();
     wrong.n_inputs = 2;
@@ -76,10 +128,32 @@ fn bindings_match_their_declaration() {
     assert_eq!(wrong_bindings(&wrong), Some("a uniform of 12 bytes in place of 4".to_owned()));
 }
 
+/// Size and offsets of the struct `Rest` in a shader.
+fn rest_layout(wgsl: &str) -> (usize, Vec<usize>) {
+    let (module, _) = parsed("rest", wgsl);
+    let is_rest = |ty: &naga::Type| ty.name.as_deref() == Some("Rest");
+    let (_, rest) = module.types.iter().find(|(_, ty)| is_rest(ty)).expect("rest data");
+    let TypeInner::Struct { members, span } = &rest.inner else { panic!("a struct") };
+    (*span as usize, members.iter().map(|member| member.offset as usize).collect())
+}
+
+#[test]
+fn rest_data_lie_alike() {
+    for kind in kinds() {
+        for shader in &kind.shaders {
+            assert_eq!(rest_layout(&shader.wgsl()), (kind.size, kind.offsets.to_vec()), "{}", kind.name);
+        }
+    }
+    let padded = "struct Rest { at: vec3<f32>, weights: vec2<f32> }
+        @group(0) @binding(0) var<storage, read_write> rest: array<Rest>;
+        @compute @workgroup_size(1) fn main() { rest[0].at = vec3(0.0); }";
+    assert_eq!(rest_layout(padded), (32, vec![0, 16]));
+}
+
 #[test]
 fn limits_of_web_gpu_are_kept() {
     for (name, wgsl) in all() {
-        let (module, info) = parsed(name, &wgsl);
+        let (module, info) = parsed(&name, &wgsl);
         let [entry] = &module.entry_points[..] else { panic!("{name}: one entry point each") };
         assert_eq!((entry.name.as_str(), entry.stage), ("main", ShaderStage::Compute), "{name}");
         assert!(entry.workgroup_size.iter().product::<u32>() <= 256, "{name}");
@@ -95,7 +169,7 @@ fn limits_of_web_gpu_are_kept() {
 fn every_driver_is_spoken_to() {
     let main = || "main".to_owned();
     for (name, wgsl) in all() {
-        let (module, info) = parsed(name, &wgsl);
+        let (module, info) = parsed(&name, &wgsl);
         let spv = spv::write_vec(&module, &info, &spv::Options::default(), None);
         assert!(spv.unwrap_or_else(|error| panic!("{name}, SPIR-V: {error}")).len() > 100);
         let options = msl::Options { lang_version: (2, 0), ..msl::Options::default() };

@@ -89,9 +89,14 @@ fn sentinels<B: Backend>(backend: &B, data: &Data) -> B::Buffer<u32> {
 
 /// Three of four vertices.
 fn sample<B: Backend>(backend: &B, data: &Data) -> B::List {
-    let mut all = backend.all(data.n as usize);
-    let mut own = backend.filled(data.n as usize, 0);
-    backend.select::<Sample>(&mut all, &data.key, (), &mut own)
+    sample_of(backend, data.n as usize, data.key)
+}
+
+/// Three of four indices below `n`.
+pub(crate) fn sample_of<B: Backend>(backend: &B, n: usize, key: u32) -> B::List {
+    let mut all = backend.all(n);
+    let mut own = backend.filled(n, 0);
+    backend.select::<Sample>(&mut all, &key, (), &mut own)
 }
 
 /// The graph on a backend.

@@ -4,6 +4,7 @@ mod cases;
 mod colorings;
 mod device;
 mod kernels;
+mod kinds;
 mod sweep;
 
 use vivace_gpu::Gpu;

@@ -25,8 +25,8 @@ struct Run {
     value: u32,
 }
 
-/// What is bound of an array without elements: a device takes no less than one of them.
-const EMPTY_BYTES: u64 = 64;
+/// What is bound of an array without elements: a device takes no less than one of them, and no buffer is smaller than this.
+const EMPTY_BYTES: u64 = 256;
 
 /// What is bound to a binding.
 #[derive(Clone, Copy)]
