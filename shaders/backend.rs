@@ -1,6 +1,6 @@
 //! What runs kernels.
 
-use crate::{CountDown, Element, Map, Memory, Select, Update, Views};
+use crate::{CountDown, Element, Map, Memory, Scatter, Select, Update, Views};
 
 /// Runs kernels over arrays that it keeps.
 ///
@@ -68,6 +68,26 @@ pub trait Backend {
         uniform: &K::Uniform,
         inputs: Views<'_, K, Self::Memory>,
         state: &mut Self::Buffer<K::State>,
+    );
+
+    /// Writes to `state` what `K` scatters for each `i` in `list`, and element `i` of `own`, all at once.
+    fn scatter<K: Scatter<N>, const N: usize>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        state: &mut Self::Buffer<K::State>,
+        own: &mut Self::Buffer<K::Own>,
+    );
+
+    /// As [`Backend::scatter`], one after another in ascending order: each sees what those before it wrote, and may write it, too.
+    fn scatter_in_order<K: Scatter<N>, const N: usize>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        state: &mut Self::Buffer<K::State>,
+        own: &mut Self::Buffer<K::Own>,
     );
 
     /// Takes out of `list` what `K` selects, and returns it. May write element `i` of `output` for each `i` that was in `list`.

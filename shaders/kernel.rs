@@ -27,8 +27,8 @@ impl Memory for Host {
     }
 }
 
-/// One kernel: a function of an index, a few parameters and some read-only arrays. It comes in four forms, by what it writes:
-/// [`Map`], [`Update`], [`Select`], [`CountDown`].
+/// One kernel: a function of an index, a few parameters and some read-only arrays. It comes in five forms, by what it writes:
+/// [`Map`], [`Update`], [`Scatter`], [`Select`], [`CountDown`].
 pub trait Kernel: 'static {
     /// The kernel's one name: file stem, label, row in a timing table.
     const NAME: &'static str;
@@ -63,6 +63,23 @@ pub trait Update: Kernel {
     ) -> Self::State;
 }
 
+/// A kernel that writes up to `N` elements of an array, and element `i` of another. Invocations of one run neither read nor write an
+/// element that another of them writes: the constraints of one color, which share no particle that moves.
+pub trait Scatter<const N: usize>: Kernel {
+    /// Element type of the array read and written.
+    type State: Element;
+    /// Element type of the array of which only element `i` is read and written.
+    type Own: Element;
+    /// The elements of `state` that `i` writes, with their new values; changes `own`, element `i` of the other array.
+    fn scatter(
+        i: u32,
+        uniform: &Self::Uniform,
+        inputs: HostViews<'_, Self>,
+        state: &[Self::State],
+        own: &mut Self::Own,
+    ) -> [Option<(u32, Self::State)>; N];
+}
+
 /// A kernel that decides whether `i` moves from one list to another. Like a [`Map`], it may write one element on the way.
 pub trait Select: Kernel {
     /// Element type of the array written.
@@ -71,7 +88,7 @@ pub trait Select: Kernel {
     fn select(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>, own: &mut Self::Output) -> bool;
 }
 
-/// A kernel that counts down: the one form that writes elements of others. Integer subtraction commutes, so order does not show.
+/// A kernel that counts down: the one form whose invocations write the same elements. Integer subtraction commutes, so order does not show.
 pub trait CountDown: Kernel {
     /// The counters that `i` takes one from, ascending; a counter at 0 stays 0.
     fn targets<'a>(i: u32, uniform: &Self::Uniform, inputs: HostViews<'a, Self>) -> &'a [u32];

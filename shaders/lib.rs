@@ -1,7 +1,8 @@
 //! The kernels of Vivace, and the interface of whatever runs them.
 //!
 //! An algorithm is a schedule of kernels, written once over a [`Backend`]. A [`Kernel`] is a *gather*: invocation `i` reads
-//! what it likes and writes element `i` of one array, so neither the number of threads nor their order can show in a result.
+//! what it likes and writes element `i` of one array (or elements that are its own in this run, see [`Scatter`]), so neither the number
+//! of threads nor their order can show in a result.
 //! Randomness is a hash of (seed, round, vertex), see [`pcg`]; no generator state passes from vertex to vertex.
 //!
 //! The Rust function here is the definition of its kernel. Those of the colorings are plain loops over `u32`, nothing that WGSL could not say. Its
@@ -26,6 +27,7 @@ pub mod pcg;
 
 pub use backend::{Backend, RoundCount, View};
 pub use kernel::{
-    CountDown, Element, Host, HostViews, Inputs, Kernel, Map, Memory, Select, Update, ViewVisitor, Views,
+    CountDown, Element, Host, HostViews, Inputs, Kernel, Map, Memory, Scatter, Select, Update, ViewVisitor,
+    Views,
 };
 pub use shader::{Form, ListShader, Shader};

@@ -1,9 +1,9 @@
 //! How the WGSL of a kernel becomes a shader: its parts and its form's are joined, in the order in which they are listed.
 //!
 //! Bindings are the same for all kernels. Group 0 is the run: 0 the headers of lists, 1 the list, 2 which lists, 3 the kernel's
-//! uniform, 4 what a select decided. Group 1 is the kernel's: its inputs in order, then the array it writes.
+//! uniform, 4 what a select decided. Group 1 is the kernel's: its inputs in order, then the arrays it writes.
 
-use crate::{CountDown, Inputs, Kernel, Map, Select, Update};
+use crate::{CountDown, Inputs, Kernel, Map, Scatter, Select, Update};
 
 /// In which way a kernel runs over a list, and what its function is called in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -14,6 +14,10 @@ pub enum Form {
     Update,
     /// As `Update`, one invocation after another.
     UpdateInOrder,
+    /// `scatter(i)` writes elements of one array that are its own in this run, and element `i` of another.
+    Scatter,
+    /// As `Scatter`, one invocation after another.
+    ScatterInOrder,
     /// `select_element(i)` says whether `i` is selected, and may write element `i`. (`select` is taken in WGSL.)
     Select,
     /// `count_down(i)` calls `take_one(target)`; the array is called `counters`.
@@ -27,9 +31,26 @@ impl Form {
             Self::Map => &[RUN, OVER, include_str!("form/map.wgsl")],
             Self::Update => &[RUN, OVER, include_str!("form/update.wgsl")],
             Self::UpdateInOrder => &[RUN, OVER, include_str!("form/update_in_order.wgsl")],
+            Self::Scatter => &[RUN, OVER, include_str!("form/scatter.wgsl")],
+            Self::ScatterInOrder => &[RUN, OVER, include_str!("form/scatter_in_order.wgsl")],
             Self::Select => &[RUN, DECISIONS, OVER, include_str!("form/select.wgsl")],
             Self::CountDown => &[RUN, OVER, include_str!("form/count_down.wgsl")],
         }
+    }
+
+    /// How many arrays a kernel of this form writes.
+    #[must_use]
+    pub const fn n_outputs(self) -> usize {
+        match self {
+            Self::Scatter | Self::ScatterInOrder => 2,
+            _ => 1,
+        }
+    }
+
+    /// Whether invocations run one after another.
+    #[must_use]
+    pub const fn is_in_order(self) -> bool {
+        matches!(self, Self::UpdateInOrder | Self::ScatterInOrder)
     }
 }
 
@@ -40,7 +61,7 @@ pub struct Shader {
     pub name: &'static str,
     /// The form.
     pub form: Form,
-    /// How many arrays the kernel reads beside the one it writes.
+    /// How many arrays the kernel reads beside those it writes.
     pub n_inputs: usize,
     /// Bytes of its uniform.
     pub uniform_bytes: usize,
@@ -64,6 +85,18 @@ impl Shader {
     #[must_use]
     pub const fn update_in_order<K: Update>() -> Self {
         Self::new::<K>(Form::UpdateInOrder)
+    }
+
+    /// A scatter, all at once.
+    #[must_use]
+    pub const fn scatter<K: Scatter<N>, const N: usize>() -> Self {
+        Self::new::<K>(Form::Scatter)
+    }
+
+    /// A scatter, one after another.
+    #[must_use]
+    pub const fn scatter_in_order<K: Scatter<N>, const N: usize>() -> Self {
+        Self::new::<K>(Form::ScatterInOrder)
     }
 
     /// A select.

@@ -5,7 +5,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::{BLOCK, COMMON, Constraint, DEVIATION, VEC3};
+use super::{BLOCK, Constraint, DEVIATION};
 
 /// Where a particle is held.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -19,7 +19,7 @@ pub struct Attachment {
 
 impl Constraint<1, 1> for Attachment {
     const NAME: &'static str = "attachment";
-    const WGSL: &'static [&'static str] = &[VEC3, COMMON, BLOCK, DEVIATION, include_str!("attachment.wgsl")];
+    const WGSL: &'static [&'static str] = &[BLOCK, DEVIATION, include_str!("attachment.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -15,7 +15,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, DVec4, Mat3, Vec3};
 use wide::f32x4;
 
-use super::{APPLY, BATCH, COMMON, Constraint, Deviations, VEC3};
+use super::{APPLY, BATCH, Constraint, Deviations};
 use crate::lanes::{Lanes3, each};
 
 /// The rest data of a hinge.
@@ -74,7 +74,7 @@ impl Bending {
 
 impl Constraint<4, 1> for Bending {
     const NAME: &'static str = "bending";
-    const WGSL: &'static [&'static str] = &[VEC3, COMMON, APPLY, include_str!("bending.wgsl")];
+    const WGSL: &'static [&'static str] = &[APPLY, include_str!("bending.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -20,6 +20,7 @@ mod triangle_strain;
 #[cfg(test)]
 mod tests;
 
+use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3, Vec4};
 use wide::f32x4;
 
@@ -33,9 +34,11 @@ pub use triangle_strain::TriangleStrain;
 use crate::Element;
 use crate::lanes::{Lanes3, each};
 
-/// What every kind has in WGSL, and what kinds have by default.
-const COMMON: &str = include_str!("mod.wgsl");
-const VEC3: &str = include_str!("../common/vec3.wgsl");
+/// What all kinds have in WGSL, beside [`Constraint::WGSL`].
+pub(crate) const WGSL: [&str; 3] =
+    [include_str!("../common/vec3.wgsl"), include_str!("mod.wgsl"), include_str!("correct.wgsl")];
+
+// What kinds have by default.
 const APPLY: &str = include_str!("apply.wgsl");
 const BLOCK: &str = include_str!("block.wgsl");
 const DEVIATION: &str = include_str!("deviation.wgsl");
@@ -44,7 +47,8 @@ const DEVIATION: &str = include_str!("deviation.wgsl");
 pub const BATCH: usize = 4;
 
 /// What a projection of Position Based Dynamics needs beside the constraint.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub struct Xpbd {
     /// h² \[s²\].
     pub squared_h: f32,
@@ -67,7 +71,8 @@ pub struct Deviations<const N: usize> {
 pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug {
     /// The kind's one name.
     const NAME: &'static str;
-    /// The kind in WGSL, in parts that are joined: constants N and R, the rest data as `Rest`, and these functions under these names.
+    /// The kind in WGSL, in parts that are joined: constants N and R, the rest data as `Rest`, and what it says here of `weight`,
+    /// `column`, `project`, `apply`, `block` and `deviation`, under these names.
     const WGSL: &'static [&'static str];
 
     /// Weight w: \[N/m\] where A q is a length \[m\], \[J\] = \[N m\] where A q has no unit.

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
 use wide::f32x4;
 
-use super::{APPLY, BATCH, COMMON, Constraint, Deviations, VEC3};
+use super::{APPLY, BATCH, Constraint, Deviations};
 use crate::lanes::{Lanes3, each};
 
 /// The rest data of a spring.
@@ -21,7 +21,7 @@ pub struct Spring {
 
 impl Constraint<2, 1> for Spring {
     const NAME: &'static str = "spring";
-    const WGSL: &'static [&'static str] = &[VEC3, COMMON, APPLY, include_str!("spring.wgsl")];
+    const WGSL: &'static [&'static str] = &[APPLY, include_str!("spring.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -7,7 +7,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 
-use super::{APPLY, COMMON, Constraint, DEVIATION, VEC3};
+use super::{APPLY, Constraint, DEVIATION};
 use crate::mat3::{self, rotation, rotations, svd};
 
 /// The rest data of a tetrahedron.
@@ -50,8 +50,7 @@ pub(super) fn gradient(x: [Vec3; 4], stiffness: f32) -> Option<([[f32; 3]; 4], f
 
 impl Constraint<4, 3> for TetStrain {
     const NAME: &'static str = "tet_strain";
-    const WGSL: &'static [&'static str] =
-        &[VEC3, mat3::WGSL, COMMON, APPLY, DEVIATION, include_str!("tet_strain.wgsl")];
+    const WGSL: &'static [&'static str] = &[mat3::WGSL, APPLY, DEVIATION, include_str!("tet_strain.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

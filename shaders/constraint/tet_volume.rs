@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
 use wide::f32x4;
 
-use super::{APPLY, BATCH, BLOCK, COMMON, Constraint, Deviations, VEC3, tet_strain::gradient};
+use super::{APPLY, BATCH, BLOCK, Constraint, Deviations, tet_strain::gradient};
 use crate::lanes::{Lanes3, each};
 use crate::mat3::{self, svd};
 
@@ -89,8 +89,7 @@ fn nearest_with_product(sigma: Vec3, edge: f32) -> Vec3 {
 
 impl Constraint<4, 3> for TetVolume {
     const NAME: &'static str = "tet_volume";
-    const WGSL: &'static [&'static str] =
-        &[VEC3, mat3::WGSL, COMMON, APPLY, BLOCK, include_str!("tet_volume.wgsl")];
+    const WGSL: &'static [&'static str] = &[mat3::WGSL, APPLY, BLOCK, include_str!("tet_volume.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -7,7 +7,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, Vec3};
 
-use super::{APPLY, BLOCK, COMMON, Constraint, DEVIATION, VEC3};
+use super::{APPLY, BLOCK, Constraint, DEVIATION};
 use crate::mat3::{self, frame, jacobi};
 
 /// The rest data of a triangle.
@@ -48,7 +48,7 @@ impl TriangleStrain {
 impl Constraint<3, 2> for TriangleStrain {
     const NAME: &'static str = "triangle_strain";
     const WGSL: &'static [&'static str] =
-        &[VEC3, mat3::WGSL, COMMON, APPLY, BLOCK, DEVIATION, include_str!("triangle_strain.wgsl")];
+        &[mat3::WGSL, APPLY, BLOCK, DEVIATION, include_str!("triangle_strain.wgsl")];
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -1,15 +1,15 @@
 //! A second backend: what a kernel run means, in the fewest words.
 //!
 //! One plain loop per form, on one thread, in *descending* order: gathers must not care. Lists are ordered sets, updates read a
-//! copy of the array as it was. It also holds kernels to their contract: an [`Update`] that reads what the same run writes
-//! would differ when done in place, and is refused.
+//! copy of the array as it was. It also holds kernels to their contract: an [`Update`] or a [`Scatter`] that reads what the same run
+//! writes would differ when done in place, and is refused, as is a [`Scatter`] that writes an element twice.
 
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 
 use vivace_coloring::{Algorithm, ConstraintGraph, GraphBuffers, RoundColoring};
 use vivace_kernels::{
-    Backend, CountDown, Element, Host, Kernel, Map, RoundCount, Select, Update, View, Views,
+    Backend, CountDown, Element, Host, Kernel, Map, RoundCount, Scatter, Select, Update, View, Views,
 };
 
 use crate::generators::to_u32;
@@ -127,6 +127,47 @@ impl Backend for Naive {
     ) {
         for &i in list {
             state[i as usize] = K::update(i, uniform, inputs, state);
+        }
+    }
+
+    fn scatter<K: Scatter<N>, const N: usize>(
+        &self,
+        list: &BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        state: &mut Vec<K::State>,
+        own: &mut Vec<K::Own>,
+    ) {
+        let (before, mut in_place, mut own_in_place) = (state.clone(), state.clone(), own.clone());
+        let mut touched = BTreeSet::new();
+        for &i in list.iter().rev() {
+            let written = K::scatter(i, uniform, inputs, &before, &mut own[i as usize]);
+            for (at, value) in written.into_iter().flatten() {
+                assert!(touched.insert(at), "{}: element {at} is written twice", <K as Kernel>::NAME);
+                state[at as usize] = value;
+            }
+            let written = K::scatter(i, uniform, inputs, &in_place, &mut own_in_place[i as usize]);
+            for (at, value) in written.into_iter().flatten() {
+                in_place[at as usize] = value;
+            }
+        }
+        let is_same = same(state, &in_place) && same(own, &own_in_place);
+        assert!(is_same, "{} reads what the same run writes", <K as Kernel>::NAME);
+    }
+
+    fn scatter_in_order<K: Scatter<N>, const N: usize>(
+        &self,
+        list: &BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        state: &mut Vec<K::State>,
+        own: &mut Vec<K::Own>,
+    ) {
+        for &i in list {
+            let written = K::scatter(i, uniform, inputs, state, &mut own[i as usize]);
+            for (at, value) in written.into_iter().flatten() {
+                state[at as usize] = value;
+            }
         }
     }
 

@@ -87,8 +87,9 @@ fn access(module: &Module, group: u32, binding: u32) -> Option<StorageAccess> {
 /// What is wrong with how a kernel binds its arrays and its uniform.
 fn wrong_bindings(shader: &Shader) -> Option<String> {
     let (module, _) = parsed(shader.name, &shader.wgsl());
-    for (binding, place) in (0..).zip(0..=shader.n_inputs) {
-        let is_output = place == shader.n_inputs;
+    let n_bound = shader.n_inputs + shader.form.n_outputs();
+    for (binding, place) in (0..).zip(0..n_bound) {
+        let is_output = place >= shader.n_inputs;
         let expected =
             if is_output { StorageAccess::LOAD | StorageAccess::STORE } else { StorageAccess::LOAD };
         // Atomics are a kind of access of their own.
@@ -99,8 +100,8 @@ fn wrong_bindings(shader: &Shader) -> Option<String> {
     }
     let own = |variable: &naga::GlobalVariable| variable.binding.is_some_and(|at| at.group == 1);
     let n_own = module.global_variables.iter().filter(|(_, variable)| own(variable)).count();
-    if n_own != shader.n_inputs + 1 {
-        return Some(format!("{n_own} arrays in place of {}", shader.n_inputs + 1));
+    if n_own != n_bound {
+        return Some(format!("{n_own} arrays in place of {n_bound}"));
     }
     let uniform = Some(naga::ResourceBinding { group: 0, binding: 3 });
     let params = module.global_variables.iter().find(|(_, variable)| variable.binding == uniform);
@@ -202,9 +203,12 @@ fn every_driver_is_spoken_to() {
 
 #[test]
 fn forms_and_kernels_come_together() {
-    let in_order = SHADERS.iter().filter(|shader| shader.form == Form::UpdateInOrder);
-    assert!(in_order.clone().count() > 0);
-    for shader in in_order {
-        assert!(shader.wgsl().contains("@workgroup_size(1)"), "{}", shader.name);
+    for form in [Form::UpdateInOrder, Form::ScatterInOrder] {
+        let kernels = kernels();
+        let mut in_order = kernels.iter().filter(|(_, shader)| shader.form == form).peekable();
+        assert!(in_order.peek().is_some(), "{form:?}");
+        for (name, shader) in in_order {
+            assert!(shader.wgsl().contains("@workgroup_size(1)"), "{name}");
+        }
     }
 }

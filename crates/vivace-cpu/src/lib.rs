@@ -8,7 +8,9 @@ mod list;
 use std::convert::Infallible;
 
 use rayon::prelude::*;
-use vivace_kernels::{Backend, CountDown, Element, Host, Map, RoundCount, Select, Update, View, Views};
+use vivace_kernels::{
+    Backend, CountDown, Element, Host, Map, RoundCount, Scatter, Select, Update, View, Views,
+};
 
 pub use list::List;
 
@@ -119,6 +121,49 @@ impl Backend for Cpu {
     ) {
         for &i in list.indices() {
             state[i as usize] = K::update(i, uniform, inputs, state);
+        }
+    }
+
+    fn scatter<K: Scatter<N>, const N: usize>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        state: &mut Vec<K::State>,
+        own: &mut Vec<K::Own>,
+    ) {
+        let n_pieces = self.n_pieces(list.len());
+        if n_pieces == 1 {
+            // Nobody sees another: each may be written at once.
+            return self.scatter_in_order::<K, N>(list, uniform, inputs, state, own);
+        }
+        // Found in parallel, then written: the host has no way to write scattered elements from many threads.
+        let find = |&i: &u32| {
+            let mut own = own[i as usize];
+            let written = K::scatter(i, uniform, inputs, state, &mut own);
+            (own, written)
+        };
+        let found = list.indices().par_iter().with_min_len(list.len().div_ceil(n_pieces)).map(find);
+        let (owns, written): (Vec<K::Own>, Vec<_>) = found.unzip();
+        list.scatter(n_pieces, &owns, own);
+        for (at, value) in written.into_iter().flatten().flatten() {
+            state[at as usize] = value;
+        }
+    }
+
+    fn scatter_in_order<K: Scatter<N>, const N: usize>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        state: &mut Vec<K::State>,
+        own: &mut Vec<K::Own>,
+    ) {
+        for &i in list.indices() {
+            let written = K::scatter(i, uniform, inputs, state, &mut own[i as usize]);
+            for (at, value) in written.into_iter().flatten() {
+                state[at as usize] = value;
+            }
         }
     }
 

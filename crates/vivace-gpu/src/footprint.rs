@@ -4,7 +4,9 @@ use std::convert::Infallible;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use vivace_kernels::{Backend, CountDown, Element, Map, Memory, RoundCount, Select, Update, View, Views};
+use vivace_kernels::{
+    Backend, CountDown, Element, Map, Memory, RoundCount, Scatter, Select, Update, View, Views,
+};
 
 use crate::GpuError;
 use crate::gpu::{FIXED_BYTES, HEADERS_BYTES, decisions_bytes};
@@ -133,6 +135,26 @@ impl Backend for Footprint {
         _: &K::Uniform,
         _: NoViews<'_, K>,
         _: &mut FootprintBuffer<K::State>,
+    ) {
+    }
+
+    fn scatter<K: Scatter<N>, const N: usize>(
+        &self,
+        _: &FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        _: &mut FootprintBuffer<K::State>,
+        _: &mut FootprintBuffer<K::Own>,
+    ) {
+    }
+
+    fn scatter_in_order<K: Scatter<N>, const N: usize>(
+        &self,
+        _: &FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        _: &mut FootprintBuffer<K::State>,
+        _: &mut FootprintBuffer<K::Own>,
     ) {
     }
 

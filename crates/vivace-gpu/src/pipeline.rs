@@ -47,7 +47,7 @@ impl Pipelines {
             let run = [Read, Read, Uniform, Uniform, Write];
             let n_run = if shader.form == Form::Select { 5 } else { 4 };
             let mut own = vec![Read; shader.n_inputs];
-            own.push(Write);
+            own.resize(shader.n_inputs + shader.form.n_outputs(), Write);
             Pipeline::new(device, shader.name, &shader.wgsl(), &[&run[..n_run], &own])
         })
     }

@@ -5,10 +5,14 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Quat, Vec3, Vec4};
 use vivace_cpu::Cpu;
 use vivace_gpu::Gpu;
+use vivace_kernels::coloring::{IsColored, UNCOLORED};
 use vivace_kernels::constraint::{
-    Attachment, Bending, Constraint, Spring, TetStrain, TetVolume, TriangleStrain,
+    Attachment, Bending, Constraint, Spring, TetStrain, TetVolume, TriangleStrain, Xpbd,
 };
-use vivace_kernels::local::{Block, Energy, Project, Pull, PullFused, shaders};
+use vivace_kernels::local::{
+    Block, Correct, Energy, Gather, Moves, Multiply, Project, Pull, PullFused, XpbdEnergy, XpbdGradient,
+    shaders,
+};
 use vivace_kernels::{Backend, Element, pcg};
 use vivace_tests::generators::to_u32;
 use vivace_tests::naive::Naive;
@@ -29,6 +33,9 @@ struct Scene<C, const N: usize> {
     q: Vec<Vec4>,
     offsets: Vec<u32>,
     slots: Vec<u32>,
+    /// 0 for constraints that share no particle that moves; [`UNCOLORED`] for the others.
+    colors: Vec<u32>,
+    lambdas: Vec<f32>,
 }
 
 impl<C: Copy, const N: usize> Scene<C, N> {
@@ -40,7 +47,8 @@ impl<C: Copy, const N: usize> Scene<C, N> {
             let (of, x) = samples[(k % kinds) as usize];
             rest.push(of);
             let class = if is_regular { 0 } else { k / kinds };
-            q.extend(deformed(x, class, &mut random).map(|x| x.extend(1.0)));
+            let at = deformed(x, class, &mut random);
+            q.extend(at.map(|x| x.extend(if random.below(5) == 0 { 0.0 } else { unit(&mut random) })));
             // Every other one borrows its particles, place by place, from constraints of the same sample.
             let mut owner = || {
                 let other = random.below(n / kinds + 1) * kinds + k % kinds;
@@ -57,14 +65,29 @@ impl<C: Copy, const N: usize> Scene<C, N> {
             *end += to_u32(slots.len());
             Some(*end)
         }));
-        Self { key: pcg::key(seed, n), particles, rest, q, offsets, slots: at.concat() }
+        let mut taken = vec![false; q.len()];
+        let mut color = |particles: &[u32; N]| {
+            let moving = particles.iter().map(|&p| p as usize).filter(|&p| q[p].w > 0.0);
+            if moving.clone().any(|p: usize| taken[p]) {
+                return UNCOLORED;
+            }
+            moving.for_each(|p| taken[p] = true);
+            0
+        };
+        let colors = particles.iter().map(&mut color).collect();
+        let lambdas = rest.iter().map(|_| unit(&mut random) - 0.5).collect();
+        Self { key: pcg::key(seed, n), particles, rest, q, offsets, slots: at.concat(), colors, lambdas }
     }
+}
+
+/// Uniform in (0, 1].
+fn unit(random: &mut Random) -> f32 {
+    f32::from(u16::try_from(random.below(1 << 16)).expect("below 2^16")).mul_add(1.0 / 65536.0, 1.0 / 65536.0)
 }
 
 /// `x` somewhat deformed, or (from class 3 on) so that a matrix of its edges is singular, inverted, small or large.
 fn deformed<const N: usize>(x: [Vec3; N], class: u32, random: &mut Random) -> [Vec3; N] {
-    let mut unit = || f32::from(u16::try_from(random.below(1 << 16)).expect("below 2^16")) / 65536.0;
-    let mut vector = || Vec3::from_array(std::array::from_fn(|_| unit() - 0.5));
+    let mut vector = || Vec3::from_array(std::array::from_fn(|_| unit(random) - 0.5));
     let turn = Mat3::from_quat(Quat::from_vec4(vector().extend(0.6)).normalize());
     let moved = x.map(|x| turn * (x + 0.4 * vector()) + Vec3::ONE);
     match class % 11 {
@@ -96,6 +119,32 @@ fn written<B: Backend, T: Element>(
     Ok(bytemuck::cast_slice(&backend.read(output)?).to_vec())
 }
 
+/// What [`Correct`] leaves of positions and multipliers: all at once on constraints of one color, or in order on those of all.
+fn corrected<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize>(
+    backend: &B,
+    scene: &Scene<C, N>,
+    is_in_order: bool,
+) -> Result<Vec<f32>, B::Error> {
+    let mut lambdas = scene.lambdas.clone();
+    lambdas.extend_from_slice(&[SENTINEL; N_SENTINELS]);
+    let (mut q, mut lambdas) = (backend.upload(&scene.q), backend.upload(&lambdas));
+    let (particles, rest) = (backend.upload(&scene.particles), backend.upload(&scene.rest));
+    let inputs = (backend.view(&particles), backend.view(&rest));
+    let mut list = sample_of(backend, scene.rest.len(), scene.key);
+    if is_in_order {
+        backend.scatter_in_order::<Correct<C, N, R>, N>(&list, &XPBD, inputs, &mut q, &mut lambdas);
+    } else {
+        let mut colors = backend.upload(&scene.colors);
+        let of_color = backend.select::<IsColored>(&mut list, &(), (), &mut colors);
+        backend.scatter::<Correct<C, N, R>, N>(&of_color, &XPBD, inputs, &mut q, &mut lambdas);
+    }
+    let (q, mut left) = (backend.read(q)?, backend.read(lambdas)?);
+    left.extend_from_slice(bytemuck::cast_slice(&q));
+    Ok(left)
+}
+
+const XPBD: Xpbd = Xpbd { squared_h: 0.01, omega: 1.2 };
+
 /// The names of the kernels, and what each of them leaves.
 fn all<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize>(
     backend: &B,
@@ -114,14 +163,37 @@ fn all<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize>(
     let p: Vec<[Vec4; R]> = (0..n).map(|k| [scene.q[k] * 0.3; R]).collect();
     let p = backend.upload(&p);
     let before = Vec4::new(0.5, -0.25, 2.0, 0.0);
+    let busiest: Vec<f32> = (0..n).map(|k| if k % 3 == 0 { 1.0 } else { 4.0 }).collect();
+    let (busiest, lambdas) = (backend.upload(&busiest), backend.upload(&scene.lambdas));
+    let moves: Vec<[Vec4; N]> = (0..n).map(|k| [scene.q[k] * 0.3; N]).collect();
+    let moves = backend.upload(&moves);
     Ok(vec![
         ("block", {
             let run = |list: &_, own: &mut _| backend.map::<Block<C, N, R>>(list, &(), of_particle(), own);
             written(backend, key, n_particles, [before, before * 0.5], run)?
         }),
+        ("correct", corrected(backend, scene, false)?),
+        ("correct", corrected(backend, scene, true)?),
         ("energy", {
             let run = |list: &_, own: &mut _| backend.map::<Energy<C, N, R>>(list, &(), of_constraint(), own);
             written(backend, key, n, 3.0, run)?
+        }),
+        ("gather", {
+            let inputs = (backend.view(&offsets), backend.view(&slots), backend.view(&moves));
+            let run = |list: &_, own: &mut _| backend.map::<Gather<C, N, R>>(list, &(), inputs, own);
+            written(backend, key, n_particles, before, run)?
+        }),
+        ("moves", {
+            let (particles, rest, q) = of_constraint();
+            let inputs = (particles, rest, q, backend.view(&busiest), backend.view(&lambdas));
+            let run = |list: &_, own: &mut _| backend.map::<Moves<C, N, R>>(list, &XPBD, inputs, own);
+            written(backend, key, n, [before; N], run)?
+        }),
+        ("multiply", {
+            let (particles, rest, q) = of_constraint();
+            let inputs = (particles, rest, q, backend.view(&busiest));
+            let run = |list: &_, own: &mut _| backend.map::<Multiply<C, N, R>>(list, &XPBD, inputs, own);
+            written(backend, key, n, 0.3, run)?
         }),
         ("project", {
             let run =
@@ -137,6 +209,16 @@ fn all<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize>(
         ("pull_fused", {
             let run =
                 |list: &_, own: &mut _| backend.map::<PullFused<C, N, R>>(list, &(), of_particle(), own);
+            written(backend, key, n_particles, before, run)?
+        }),
+        ("xpbd_energy", {
+            let run =
+                |list: &_, own: &mut _| backend.map::<XpbdEnergy<C, N, R>>(list, &(), of_constraint(), own);
+            written(backend, key, n, 3.0, run)?
+        }),
+        ("xpbd_gradient", {
+            let run =
+                |list: &_, own: &mut _| backend.map::<XpbdGradient<C, N, R>>(list, &(), of_particle(), own);
             written(backend, key, n_particles, before, run)?
         }),
     ])
@@ -242,7 +324,12 @@ const BEGIN: &str = "
     const R = 1u;
     struct Rest { rest: f32, stiffness: f32 }
     fn weight(rest: Rest) -> f32 { return rest.stiffness; }
-    fn deviation(rest: Rest, q: array<vec3<f32>, N>) -> Deviation { return Deviation(); }
+    fn deviation(rest: Rest, q: array<vec3<f32>, N>) -> Deviation {
+        let r = residual(rest, q);
+        let c = length3(r[0]);
+        let u = r[0] * select(0.0, 1.0 / c, c > 0.0);
+        return Deviation(c, array(-u, u));
+    }
     fn block(rest: Rest, q: array<vec3<f32>, N>, slot: u32) -> mat3x3<f32> { return scalar_block(rest.stiffness); }";
 const TEXTS: [&str; 4] = [
     "fn column(rest: Rest, slot: u32) -> array<f32, R> { return array(select(1.0, -1.0, slot == 0u)); }
@@ -261,8 +348,7 @@ const TEXTS: [&str; 4] = [
 impl<const FAULT: usize> Constraint<2, 1> for Twin<FAULT> {
     const NAME: &'static str = "twin";
     // What springs take from others, and another text in place of their own.
-    const WGSL: &'static [&'static str] =
-        &[Spring::WGSL[0], Spring::WGSL[1], Spring::WGSL[2], BEGIN, TEXTS[FAULT]];
+    const WGSL: &'static [&'static str] = &[Spring::WGSL[0], BEGIN, TEXTS[FAULT]];
 
     fn weight(&self) -> f32 {
         self.0.weight()
@@ -287,4 +373,33 @@ fn a_wrong_kind_is_noticed() {
     if gpu.is_software() {
         assert_ne!(mismatch(&gpu, &springs(Twin::<3>)), None);
     }
+}
+
+/// Enough springs that threads share them.
+#[test]
+fn threads_do_not_show() {
+    let scene = Scene::new(&springs(|spring| spring), 20_000, 3, true);
+    let Ok(expected) = corrected(&Naive::default(), &scene, false);
+    for n_threads in [1, 2, 7] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        let Ok(found) = pool.install(|| corrected(&Cpu::new(), &scene, false));
+        assert_eq!(difference(&found, &expected, 0.0), None, "{n_threads} threads");
+    }
+}
+
+/// Two constraints that move the same particle are no color.
+#[test]
+#[should_panic(expected = "correct: element 1 is written twice")]
+fn what_is_shared_is_refused() {
+    let springs = springs(|spring| spring);
+    let mut scene = Scene::new(&springs, 2, 3, true);
+    scene.particles = vec![[0, 1], [1, 2]];
+    scene.q.iter_mut().for_each(|q| q.w = 1.0);
+    (scene.colors, scene.key) = (vec![0, 0], (0..).find(|&key| sample_is_all(key)).unwrap());
+    let _ = corrected(&Naive::default(), &scene, false);
+}
+
+/// Whether the sample of two is both.
+fn sample_is_all(key: u32) -> bool {
+    sample_of(&Naive::default(), 2, key).len() == 2
 }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use vivace_kernels::{Backend, CountDown, Element, Map, RoundCount, Select, Shader, Update, View, Views};
+use vivace_kernels::{
+    Backend, CountDown, Element, Map, RoundCount, Scatter, Select, Shader, Update, View, Views,
+};
 
 use super::Gpu;
 use crate::list::Header;
@@ -94,6 +96,28 @@ impl Backend for Gpu {
         state: &mut Buffer<K::State>,
     ) {
         self.write::<K, _>(&Shader::update_in_order::<K>(), list, uniform, inputs, state);
+    }
+
+    fn scatter<K: Scatter<N>, const N: usize>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        state: &mut Buffer<K::State>,
+        own: &mut Buffer<K::Own>,
+    ) {
+        self.write_both::<K, _, _>(&Shader::scatter::<K, N>(), list, uniform, inputs, state, own);
+    }
+
+    fn scatter_in_order<K: Scatter<N>, const N: usize>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        state: &mut Buffer<K::State>,
+        own: &mut Buffer<K::Own>,
+    ) {
+        self.write_both::<K, _, _>(&Shader::scatter_in_order::<K, N>(), list, uniform, inputs, state, own);
     }
 
     fn select<K: Select>(

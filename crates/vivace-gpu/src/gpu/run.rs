@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
-use vivace_kernels::{Element, Form, Inputs, Kernel, ListShader, Select, Shader, ViewVisitor, Views};
+use vivace_kernels::{Element, Inputs, Kernel, ListShader, Select, Shader, ViewVisitor, Views};
 
 use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, decisions_bytes};
 use crate::list::{HEADER_BYTES, Indices};
@@ -122,24 +122,24 @@ impl Gpu {
         }
     }
 
-    /// Runs a kernel over a list. `output` is the array it writes; `decisions` is where a select writes what it decides.
+    /// Runs a kernel over a list. `outputs` are the arrays it writes; `decisions` is where a select writes what it decides.
     fn run<K: Kernel>(
         &self,
         shader: &Shader,
         list: &Indices,
         uniform: &K::Uniform,
         inputs: Views<'_, K, GpuMemory>,
-        output: Bound<'_>,
+        outputs: &[Bound<'_>],
         decisions: Option<Bound<'_>>,
     ) -> Result<(), GpuError> {
         const { assert!(size_of::<K::Uniform>() <= UNIFORM_BYTES, "a uniform has 256 bytes at most") };
-        let mut own = Binder { bound: Vec::with_capacity(K::Inputs::LEN + 1), failed: None };
+        let mut own = Binder { bound: Vec::with_capacity(K::Inputs::LEN + outputs.len()), failed: None };
         K::Inputs::visit(inputs, &mut own);
         if let Some(error) = own.failed {
             return Err(error);
         }
         let mut own = own.bound;
-        own.push(output);
+        own.extend_from_slice(outputs);
         let mut over = vec![self.bound_headers(), list.bound(), Bound::Uniform, Bound::Uniform];
         over.extend(decisions);
         let pipeline = self.pipelines.kernel::<K>(&self.device, shader);
@@ -149,7 +149,7 @@ impl Gpu {
             let uniforms = [bytemuck::bytes_of(&run), bytemuck::bytes_of(uniform)];
             self.recorder.borrow_mut().dispatch(&pipeline, &groups, uniforms, grid);
         };
-        if shader.form == Form::UpdateInOrder {
+        if shader.form.is_in_order() {
             (0..self.len(list)?).step_by(IN_ORDER).for_each(|first| dispatch(first, Grid::Groups(1)));
         } else {
             dispatch(0, self.grid(list));
@@ -166,10 +166,30 @@ impl Gpu {
         inputs: Views<'_, K, GpuMemory>,
         output: &mut Buffer<T>,
     ) {
-        let written =
-            list.state().and_then(|list| self.run::<K>(shader, list, uniform, inputs, output.bound()?, None));
+        let written = list
+            .state()
+            .and_then(|list| self.run::<K>(shader, list, uniform, inputs, &[output.bound()?], None));
         if let Err(error) = written {
             output.memory = Err(error);
+        }
+    }
+
+    /// Runs a kernel that writes two arrays.
+    pub(super) fn write_both<K: Kernel, T: Element, U: Element>(
+        &self,
+        shader: &Shader,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        first: &mut Buffer<T>,
+        second: &mut Buffer<U>,
+    ) {
+        let written = list.state().and_then(|list| {
+            self.run::<K>(shader, list, uniform, inputs, &[first.bound()?, second.bound()?], None)
+        });
+        if let Err(error) = written {
+            first.memory = Err(error.clone());
+            second.memory = Err(error);
         }
     }
 
@@ -186,7 +206,7 @@ impl Gpu {
         let memory = self.work(bytes)?;
         let decisions = Bound::Array(&memory.buffer, bytes);
         let (kept, selected) = (self.list(list.capacity)?, self.list(list.capacity)?);
-        self.run::<K>(&Shader::select::<K>(), list, uniform, inputs, output.bound()?, Some(decisions))?;
+        self.run::<K>(&Shader::select::<K>(), list, uniform, inputs, &[output.bound()?], Some(decisions))?;
         let places = Run {
             list: list.header.place,
             kept: kept.header.place,

@@ -1,0 +1,36 @@
+// One projection of XPBD. See `Constraint::correct`.
+
+struct Xpbd {
+    squared_h: f32,
+    omega: f32,
+}
+
+struct Correction {
+    lambda: f32,
+    moves: array<vec3<f32>, N>,
+}
+
+fn unweighted(q: array<vec4<f32>, N>) -> array<vec3<f32>, N> {
+    var weighted = q;
+    var at: array<vec3<f32>, N>;
+    for (var slot = 0u; slot < N; slot++) {
+        at[slot] = weighted[slot].xyz;
+    }
+    return at;
+}
+
+// The multiplier after it, and by how much each particle moves [m].
+fn correct(rest: Rest, xpbd: Xpbd, q: array<vec4<f32>, N>, lambda: f32) -> Correction {
+    var at = q;
+    var found = deviation(rest, unweighted(q));
+    let compliance = 1.0 / (weight(rest) * xpbd.squared_h);
+    var denominator = compliance;
+    for (var slot = 0u; slot < N; slot++) {
+        denominator += at[slot].w * dot3(found.gradient[slot], found.gradient[slot]);
+    }
+    let step = xpbd.omega * (-found.c - compliance * lambda) / denominator;
+    for (var slot = 0u; slot < N; slot++) {
+        found.gradient[slot] *= at[slot].w * step;
+    }
+    return Correction(lambda + step, found.gradient);
+}
