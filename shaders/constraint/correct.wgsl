@@ -6,7 +6,7 @@ struct Xpbd {
 }
 
 struct Correction {
-    lambda: f32,
+    lambda: vec4<f32>,
     moves: array<vec3<f32>, N>,
 }
 
@@ -19,8 +19,8 @@ fn unweighted(q: array<vec4<f32>, N>) -> array<vec3<f32>, N> {
     return at;
 }
 
-// The multiplier after it, and by how much each particle moves [m].
-fn correct(rest: Rest, xpbd: Xpbd, q: array<vec4<f32>, N>, lambda: f32) -> Correction {
+// The multiplier (x) after it, and by how much each particle moves [m].
+fn correct(rest: Rest, xpbd: Xpbd, q: array<vec4<f32>, N>, lambda: vec4<f32>) -> Correction {
     var at = q;
     var found = deviation(rest, unweighted(q));
     let compliance = 1.0 / (weight(rest) * xpbd.squared_h);
@@ -28,9 +28,9 @@ fn correct(rest: Rest, xpbd: Xpbd, q: array<vec4<f32>, N>, lambda: f32) -> Corre
     for (var slot = 0u; slot < N; slot++) {
         denominator += at[slot].w * dot3(found.gradient[slot], found.gradient[slot]);
     }
-    let step = xpbd.omega * (-found.c - compliance * lambda) / denominator;
+    let step = xpbd.omega * (-found.c - compliance * lambda.x) / denominator;
     for (var slot = 0u; slot < N; slot++) {
         found.gradient[slot] *= at[slot].w * step;
     }
-    return Correction(lambda + step, found.gradient);
+    return Correction(vec4(lambda.x + step, lambda.yzw), found.gradient);
 }

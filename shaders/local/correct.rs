@@ -8,8 +8,8 @@ use super::{CORNERS, join};
 use crate::constraint::{Constraint, Xpbd};
 use crate::{HostViews, Kernel, Scatter};
 
-/// Moves the particles of constraint `k` of kind `C`, and changes its multiplier \[N s²\]; reads (particles, rest data), writes q and
-/// the multipliers. What is pinned is not written, so constraints may share it.
+/// Moves the particles of constraint `k` of kind `C`, and changes its multiplier \[N s²\], the x of a vector; reads (particles, rest
+/// data), writes q and the multipliers. What is pinned is not written, so constraints may share it.
 ///
 /// A device may round otherwise: moves and multipliers differ by 10⁻⁵ of their size, and of that of A q.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for Correct<C, 
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Scatter<N> for Correct<C, N, R> {
     type State = Vec4;
-    type Own = f32;
+    type Own = Vec4;
 
     #[inline]
     fn scatter(
@@ -32,10 +32,10 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Scatter<N> for Correct
         xpbd: &Xpbd,
         (particles, rest): HostViews<'_, Self>,
         q: &[Vec4],
-        lambda: &mut f32,
+        lambda: &mut Vec4,
     ) -> [Option<(u32, Vec4)>; N] {
         let particles = &particles[k as usize];
-        let moves = rest[k as usize].correct(particles, xpbd, q, lambda);
+        let moves = rest[k as usize].correct(particles, xpbd, q, &mut lambda.x);
         std::array::from_fn(|slot| {
             let at = q[particles[slot] as usize];
             (at.w > 0.0).then_some((particles[slot], at + moves[slot]))

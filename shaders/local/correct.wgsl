@@ -4,7 +4,7 @@
 @group(1) @binding(0) var<storage, read> particles: array<array<u32, N>>;
 @group(1) @binding(1) var<storage, read> rest: array<Rest>;
 @group(1) @binding(2) var<storage, read_write> q: array<vec4<f32>>;
-@group(1) @binding(3) var<storage, read_write> lambdas: array<f32>;
+@group(1) @binding(3) var<storage, read_write> lambdas: array<vec4<f32>>;
 
 fn scatter(k: u32) {
     var found = correct(rest[k], params, weighted_corners(k), lambdas[k]);

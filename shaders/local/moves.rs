@@ -19,7 +19,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for Moves<C, N,
     const NAME: &'static str = "moves";
     const WGSL: &'static [&'static str] = &join(C::WGSL, &[CORNERS, include_str!("moves.wgsl")]);
     type Uniform = Xpbd;
-    type Inputs = ([u32; N], C, Vec4, f32, f32);
+    type Inputs = ([u32; N], C, Vec4, f32, Vec4);
 }
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Map for Moves<C, N, R> {
@@ -33,7 +33,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Map for Moves<C, N, R>
         own: &mut [Vec4; N],
     ) {
         let k = k as usize;
-        let mut lambda = lambdas[k];
+        let mut lambda = lambdas[k].x;
         *own = rest[k].correct(&particles[k], &averaged(xpbd, busiest[k]), q, &mut lambda);
     }
 }

@@ -5,7 +5,7 @@
 @group(1) @binding(1) var<storage, read> rest: array<Rest>;
 @group(1) @binding(2) var<storage, read> q: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read> busiest: array<f32>;
-@group(1) @binding(4) var<storage, read> lambdas: array<f32>;
+@group(1) @binding(4) var<storage, read> lambdas: array<vec4<f32>>;
 @group(1) @binding(5) var<storage, read_write> moves: array<array<vec4<f32>, N>>;
 
 fn map(k: u32) {

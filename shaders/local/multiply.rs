@@ -23,11 +23,11 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for Multiply<C,
 }
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Map for Multiply<C, N, R> {
-    type Output = f32;
+    type Output = Vec4;
 
     #[inline]
-    fn map(k: u32, xpbd: &Xpbd, (particles, rest, q, busiest): HostViews<'_, Self>, own: &mut f32) {
+    fn map(k: u32, xpbd: &Xpbd, (particles, rest, q, busiest): HostViews<'_, Self>, own: &mut Vec4) {
         let k = k as usize;
-        rest[k].correct(&particles[k], &averaged(xpbd, busiest[k]), q, own);
+        rest[k].correct(&particles[k], &averaged(xpbd, busiest[k]), q, &mut own.x);
     }
 }

@@ -35,7 +35,7 @@ struct Scene<C, const N: usize> {
     slots: Vec<u32>,
     /// 0 for constraints that share no particle that moves; [`UNCOLORED`] for the others.
     colors: Vec<u32>,
-    lambdas: Vec<f32>,
+    lambdas: Vec<Vec4>,
 }
 
 impl<C: Copy, const N: usize> Scene<C, N> {
@@ -75,7 +75,7 @@ impl<C: Copy, const N: usize> Scene<C, N> {
             0
         };
         let colors = particles.iter().map(&mut color).collect();
-        let lambdas = rest.iter().map(|_| unit(&mut random) - 0.5).collect();
+        let lambdas = rest.iter().map(|_| Vec4::splat(unit(&mut random) - 0.5)).collect();
         Self { key: pcg::key(seed, n), particles, rest, q, offsets, slots: at.concat(), colors, lambdas }
     }
 }
@@ -126,7 +126,7 @@ fn corrected<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize>(
     is_in_order: bool,
 ) -> Result<Vec<f32>, B::Error> {
     let mut lambdas = scene.lambdas.clone();
-    lambdas.extend_from_slice(&[SENTINEL; N_SENTINELS]);
+    lambdas.extend_from_slice(&[Vec4::splat(SENTINEL); N_SENTINELS]);
     let (mut q, mut lambdas) = (backend.upload(&scene.q), backend.upload(&lambdas));
     let (particles, rest) = (backend.upload(&scene.particles), backend.upload(&scene.rest));
     let inputs = (backend.view(&particles), backend.view(&rest));
@@ -138,9 +138,7 @@ fn corrected<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize>(
         let of_color = backend.select::<IsColored>(&mut list, &(), (), &mut colors);
         backend.scatter::<Correct<C, N, R>, N>(&of_color, &XPBD, inputs, &mut q, &mut lambdas);
     }
-    let (q, mut left) = (backend.read(q)?, backend.read(lambdas)?);
-    left.extend_from_slice(bytemuck::cast_slice(&q));
-    Ok(left)
+    Ok(bytemuck::cast_slice(&[backend.read(lambdas)?, backend.read(q)?].concat()).to_vec())
 }
 
 const XPBD: Xpbd = Xpbd { squared_h: 0.01, omega: 1.2 };
@@ -193,7 +191,7 @@ fn all<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize>(
             let (particles, rest, q) = of_constraint();
             let inputs = (particles, rest, q, backend.view(&busiest));
             let run = |list: &_, own: &mut _| backend.map::<Multiply<C, N, R>>(list, &XPBD, inputs, own);
-            written(backend, key, n, 0.3, run)?
+            written(backend, key, n, before, run)?
         }),
         ("project", {
             let run =
