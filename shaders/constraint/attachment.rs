@@ -3,7 +3,7 @@
 //! A q = q_0, p = the target: W = w/2 |q_0 − target|². For a particle that must not give at all, take an infinite mass instead.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::{BLOCK, Constraint, DEVIATION};
 
@@ -20,6 +20,7 @@ pub struct Attachment {
 impl Constraint<1, 1> for Attachment {
     const NAME: &'static str = "attachment";
     const WGSL: &'static [&'static str] = &[BLOCK, DEVIATION, include_str!("attachment.wgsl")];
+    type Multiplier = Vec4;
 
     #[inline]
     fn weight(&self) -> f32 {

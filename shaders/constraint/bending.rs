@@ -12,10 +12,10 @@
 //! W is invariant under rotation; nor does W know which way the hinge is folded.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec2, DVec3, DVec4, Mat3, Vec3};
+use glam::{DVec2, DVec3, DVec4, Mat3, Vec3, Vec4};
 use wide::f32x4;
 
-use super::{APPLY, BATCH, Constraint, Deviations};
+use super::{APPLY, BATCH, Constraint, Residuals};
 use crate::lanes::{Lanes3, each};
 
 /// The rest data of a hinge.
@@ -75,6 +75,7 @@ impl Bending {
 impl Constraint<4, 1> for Bending {
     const NAME: &'static str = "bending";
     const WGSL: &'static [&'static str] = &[APPLY, include_str!("bending.wgsl")];
+    type Multiplier = Vec4;
 
     #[inline]
     fn weight(&self) -> f32 {
@@ -120,15 +121,15 @@ impl Constraint<4, 1> for Bending {
     }
 
     #[inline]
-    fn deviations(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 4]) -> Option<Deviations<4>> {
+    fn residuals(rest: &[Self; BATCH], q: &[Lanes3<f32x4>; 4]) -> Option<Residuals<4>> {
         let k = |slot: usize| each(rest, |rest| rest.row[slot]);
-        let k = [k(0), k(1), k(2), k(3)];
-        let d = (q[1] - q[0]) * k[1] + (q[2] - q[0]) * k[2] + (q[3] - q[0]) * k[3];
-        let length = d.length();
-        let u = d * (f32x4::ONE / length);
-        let c = length - each(rest, |rest| rest.rest);
-        let gradient = [u * k[0], u * k[1], u * k[2], u * k[3]];
-        Some(Deviations { c, gradient, squared: [k[0] * k[0], k[1] * k[1], k[2] * k[2], k[3] * k[3]] })
+        let row = [k(0), k(1), k(2), k(3)];
+        let d = (q[1] - q[0]) * row[1] + (q[2] - q[0]) * row[2] + (q[3] - q[0]) * row[3];
+        if rest.iter().all(Self::is_linear) {
+            return Some(Residuals { r: d, row });
+        }
+        let off = f32x4::ONE - each(rest, |rest| rest.rest) / d.length();
+        Some(Residuals { r: d * off, row })
     }
 }
 

@@ -1,23 +1,4 @@
-// One projection of XPBD. See `Constraint::correct`.
-
-struct Xpbd {
-    squared_h: f32,
-    omega: f32,
-}
-
-struct Correction {
-    lambda: vec4<f32>,
-    moves: array<vec3<f32>, N>,
-}
-
-fn unweighted(q: array<vec4<f32>, N>) -> array<vec3<f32>, N> {
-    var weighted = q;
-    var at: array<vec3<f32>, N>;
-    for (var slot = 0u; slot < N; slot++) {
-        at[slot] = weighted[slot].xyz;
-    }
-    return at;
-}
+// One projection of XPBD with a multiplier for C. See multiplier.rs.
 
 // The multiplier (x) after it, and by how much each particle moves [m].
 fn correct(rest: Rest, xpbd: Xpbd, q: array<vec4<f32>, N>, lambda: vec4<f32>) -> Correction {

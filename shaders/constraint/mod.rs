@@ -12,6 +12,7 @@
 
 mod attachment;
 mod bending;
+mod multiplier;
 mod spring;
 mod tet_strain;
 mod tet_volume;
@@ -26,17 +27,17 @@ use wide::f32x4;
 
 pub use attachment::Attachment;
 pub use bending::Bending;
+pub use multiplier::Multiplier;
 pub use spring::Spring;
 pub use tet_strain::TetStrain;
 pub use tet_volume::TetVolume;
 pub use triangle_strain::TriangleStrain;
 
 use crate::Element;
-use crate::lanes::{Lanes3, each};
+use crate::lanes::Lanes3;
 
 /// What all kinds have in WGSL, beside [`Constraint::WGSL`].
-pub(crate) const WGSL: [&str; 3] =
-    [include_str!("../common/vec3.wgsl"), include_str!("mod.wgsl"), include_str!("correct.wgsl")];
+pub(crate) const WGSL: [&str; 2] = [include_str!("../common/vec3.wgsl"), include_str!("mod.wgsl")];
 
 // What kinds have by default.
 const APPLY: &str = include_str!("apply.wgsl");
@@ -67,6 +68,15 @@ pub struct Deviations<const N: usize> {
     pub squared: [f32x4; N],
 }
 
+/// [`Constraint::residual`] of four constraints of one row.
+#[derive(Debug, Clone, Copy)]
+pub struct Residuals<const N: usize> {
+    /// A q − p \[m\].
+    pub r: Lanes3<f32x4>,
+    /// The row of A, by particle.
+    pub row: [f32x4; N],
+}
+
 /// A constraint on `N` particles with `R` rows. A value of the type is the rest data of one constraint.
 pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug {
     /// The kind's one name.
@@ -74,6 +84,9 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
     /// The kind in WGSL, in parts that are joined: constants N and R, the rest data as `Rest`, and what it says here of `weight`,
     /// `column`, `project`, `apply`, `block` and `deviation`, under these names.
     const WGSL: &'static [&'static str];
+
+    /// What Position Based Dynamics solves for: `f32` for C; `Vec4` for A q − p, of kinds of one row where that passes through 0.
+    type Multiplier: Multiplier<N, R>;
 
     /// Weight w: \[N/m\] where A q is a length \[m\], \[J\] = \[N m\] where A q has no unit.
     fn weight(&self) -> f32;
@@ -169,60 +182,44 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
         (c, gradient)
     }
 
-    /// [`Constraint::deviation`] of four constraints at once, for kinds that have it.
+    /// [`Constraint::deviation`] of four constraints at once, for kinds of a scalar multiplier that have it.
     #[inline]
     fn deviations(_rest: &[Self; BATCH], _q: &[Lanes3<f32x4>; N]) -> Option<Deviations<N>> {
         None
     }
 
-    /// One projection of XPBD (Macklin, Müller, Chentanez 2016, Eq. 18), `Δλ = ω (−C − α̃ λ) / (Σ w |∇C|² + α̃)`: adds Δλ to
-    /// `lambda`, returns by how much each particle moves \[m\], and 0. `q` is the position \[m\] and the inverse mass w
-    /// \[1/kg\] of every particle, w = 0 where pinned.
+    /// [`Constraint::residual`] of four constraints at once, for kinds of a vector multiplier that have it.
     #[inline]
-    fn correct(&self, particles: &[u32; N], xpbd: &Xpbd, q: &[Vec4], lambda: &mut f32) -> [Vec4; N] {
-        let q = particles.map(|p| q[p as usize]);
-        let (c, gradient) = self.deviation(&q.map(Vec4::truncate));
-        let compliance = 1.0 / (self.weight() * xpbd.squared_h);
-        let mut denominator = compliance;
-        for (gradient, q) in gradient.iter().zip(&q) {
-            denominator += q.w * gradient.length_squared();
-        }
-        let step = xpbd.omega * (-c - compliance * *lambda) / denominator;
-        *lambda += step;
-        std::array::from_fn(|slot| (gradient[slot] * (q[slot].w * step)).extend(0.0))
+    fn residuals(_rest: &[Self; BATCH], _q: &[Lanes3<f32x4>; N]) -> Option<Residuals<N>> {
+        None
     }
-}
 
-/// [`Constraint::correct`] of four constraints that share no free particle: by how much each slot's particles move; `None` for kinds
-/// that have no [`Constraint::deviations`]. (Where C has no direction, nothing moves either way, but the multiplier differs.)
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "four constraints stay in registers only if it is")]
-pub fn correct_batch<C: Constraint<N, R>, const N: usize, const R: usize>(
-    rest: &[C; BATCH],
-    particles: &[[u32; N]; BATCH],
-    xpbd: &Xpbd,
-    q: &[Vec4],
-    lambdas: &mut [f32; BATCH],
-) -> Option<[[Vec4; BATCH]; N]> {
-    // Loops: `array::from_fn` and `array::map` may become calls, and everything here is to stay in registers.
-    let (mut corners, mut w) = ([Lanes3::<f32x4>::ZERO; N], [f32x4::ZERO; N]);
-    for slot in 0..N {
-        let [a, b, c, d] = particles;
-        let of = |particle: u32| q[particle as usize];
-        (corners[slot], w[slot]) = Lanes3::from_vec4s([of(a[slot]), of(b[slot]), of(c[slot]), of(d[slot])]);
+    /// One projection of XPBD (Macklin, Müller, Chentanez 2016, Eq. 18): adds Δλ to `lambda`, returns by how much each particle moves
+    /// \[m\], and 0. `q` is the position \[m\] and the inverse mass w \[1/kg\] of every particle, w = 0 where pinned. See
+    /// [`Multiplier`].
+    #[inline]
+    fn correct(
+        &self,
+        particles: &[u32; N],
+        xpbd: &Xpbd,
+        q: &[Vec4],
+        lambda: &mut Self::Multiplier,
+    ) -> [Vec4; N] {
+        lambda.correct(self, particles, xpbd, q)
     }
-    let Deviations { c, gradient, squared } = C::deviations(rest, &corners)?;
-    let compliance = f32x4::ONE / (each(rest, C::weight) * f32x4::splat(xpbd.squared_h));
-    let mut denominator = compliance;
-    for (squared, w) in squared.iter().zip(&w) {
-        denominator += *w * *squared;
+
+    /// [`Constraint::correct`] of four constraints that share no free particle: by how much each slot's particles move; `None` for
+    /// kinds that have neither [`Constraint::deviations`] nor [`Constraint::residuals`]. (Where a scalar C has no direction, nothing
+    /// moves either way, but the multiplier differs.)
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "four constraints stay in registers only if it is")]
+    fn correct_batch(
+        rest: &[Self; BATCH],
+        particles: &[[u32; N]; BATCH],
+        xpbd: &Xpbd,
+        q: &[Vec4],
+        lambdas: &mut [Self::Multiplier; BATCH],
+    ) -> Option<[[Vec4; BATCH]; N]> {
+        Multiplier::correct_batch(lambdas, rest, particles, xpbd, q)
     }
-    let lambda = f32x4::new(*lambdas);
-    let step = f32x4::splat(xpbd.omega) * (-c - compliance * lambda) / denominator;
-    *lambdas = (lambda + step).to_array();
-    let mut moves = [[Vec4::ZERO; BATCH]; N];
-    for slot in 0..N {
-        moves[slot] = (gradient[slot] * (w[slot] * step)).to_vec4s();
-    }
-    Some(moves)
 }

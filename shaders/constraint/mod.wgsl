@@ -57,3 +57,22 @@ fn diagonal_entry(rest: Rest, slot: u32) -> f32 {
 fn scalar_block(x: f32) -> mat3x3<f32> {
     return mat3x3(vec3(x, 0.0, 0.0), vec3(0.0, x, 0.0), vec3(0.0, 0.0, x));
 }
+
+struct Xpbd {
+    squared_h: f32,
+    omega: f32,
+}
+
+struct Correction {
+    lambda: vec4<f32>,
+    moves: array<vec3<f32>, N>,
+}
+
+fn unweighted(q: array<vec4<f32>, N>) -> array<vec3<f32>, N> {
+    var weighted = q;
+    var at: array<vec3<f32>, N>;
+    for (var slot = 0u; slot < N; slot++) {
+        at[slot] = weighted[slot].xyz;
+    }
+    return at;
+}

@@ -22,6 +22,7 @@ pub struct Spring {
 impl Constraint<2, 1> for Spring {
     const NAME: &'static str = "spring";
     const WGSL: &'static [&'static str] = &[APPLY, include_str!("spring.wgsl")];
+    type Multiplier = f32;
 
     #[inline]
     fn weight(&self) -> f32 {

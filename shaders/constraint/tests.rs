@@ -85,6 +85,18 @@ fn check_batch<C: Constraint<N, R>, const N: usize, const R: usize>(
     size: f32,
 ) {
     let lanes = std::array::from_fn(|slot| Lanes3::from_vec4s(q.map(|q| q[slot].extend(0.0))).0);
+    if let Some(Residuals { r, row }) = C::residuals(&[*rest; BATCH], &lanes) {
+        for (lane, q) in q.iter().enumerate() {
+            let expected = rest.residual(q)[0];
+            let bound = 1e-5 * size * (1.0 + expected.length());
+            close(r.to_vec4s()[lane].truncate(), expected, bound, &format!("{}: batch", C::NAME));
+            assert!(
+                (0..N).all(|slot| row[slot].to_array()[lane] == rest.column(slot)[0]),
+                "{}: {row:?}",
+                C::NAME
+            );
+        }
+    }
     let Some(Deviations { c, gradient, squared }) = C::deviations(&[*rest; BATCH], &lanes) else { return };
     for (lane, q) in q.iter().enumerate() {
         let (expected, gradients) = rest.deviation(q);

@@ -51,6 +51,7 @@ pub(super) fn gradient(x: [Vec3; 4], stiffness: f32) -> Option<([[f32; 3]; 4], f
 impl Constraint<4, 3> for TetStrain {
     const NAME: &'static str = "tet_strain";
     const WGSL: &'static [&'static str] = &[mat3::WGSL, APPLY, DEVIATION, include_str!("tet_strain.wgsl")];
+    type Multiplier = f32;
 
     #[inline]
     fn weight(&self) -> f32 {

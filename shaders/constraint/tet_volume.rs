@@ -90,6 +90,7 @@ fn nearest_with_product(sigma: Vec3, edge: f32) -> Vec3 {
 impl Constraint<4, 3> for TetVolume {
     const NAME: &'static str = "tet_volume";
     const WGSL: &'static [&'static str] = &[mat3::WGSL, APPLY, BLOCK, include_str!("tet_volume.wgsl")];
+    type Multiplier = f32;
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -49,6 +49,7 @@ impl Constraint<3, 2> for TriangleStrain {
     const NAME: &'static str = "triangle_strain";
     const WGSL: &'static [&'static str] =
         &[mat3::WGSL, APPLY, BLOCK, DEVIATION, include_str!("triangle_strain.wgsl")];
+    type Multiplier = f32;
 
     #[inline]
     fn weight(&self) -> f32 {

@@ -17,7 +17,7 @@ pub struct Block<C, const N: usize, const R: usize>(PhantomData<C>);
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for Block<C, N, R> {
     const NAME: &'static str = "block";
-    const WGSL: &'static [&'static str] = &join(C::WGSL, &[CORNERS, include_str!("block.wgsl")]);
+    const WGSL: &'static [&'static str] = &join::<C, N, R>(&[CORNERS, include_str!("block.wgsl")]);
     type Uniform = ();
     type Inputs = (u32, u32, [u32; N], C, Vec4);
 }

@@ -16,7 +16,7 @@ pub struct Energy<C, const N: usize, const R: usize>(PhantomData<C>);
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for Energy<C, N, R> {
     const NAME: &'static str = "energy";
-    const WGSL: &'static [&'static str] = &join(C::WGSL, &[CORNERS, include_str!("energy.wgsl")]);
+    const WGSL: &'static [&'static str] = &join::<C, N, R>(&[CORNERS, include_str!("energy.wgsl")]);
     type Uniform = ();
     type Inputs = ([u32; N], C, Vec4);
 }

@@ -17,7 +17,7 @@ pub struct Gather<C, const N: usize, const R: usize>(PhantomData<C>);
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for Gather<C, N, R> {
     const NAME: &'static str = "gather";
-    const WGSL: &'static [&'static str] = &join(C::WGSL, &[include_str!("gather.wgsl")]);
+    const WGSL: &'static [&'static str] = &join::<C, N, R>(&[include_str!("gather.wgsl")]);
     type Uniform = ();
     type Inputs = (u32, u32, [Vec4; N]);
 }

@@ -19,7 +19,7 @@ mod xpbd_gradient;
 use glam::{Vec3, Vec4};
 
 use crate::Shader;
-use crate::constraint::{Constraint, WGSL, Xpbd};
+use crate::constraint::{Constraint, Multiplier, WGSL, Xpbd};
 
 pub use block::Block;
 pub use correct::Correct;
@@ -58,9 +58,11 @@ const CORNERS: &str = include_str!("corners.wgsl");
 const MOST_PARTS: usize = 10;
 
 /// The text of a kernel over a kind: what all kinds have, the kind's, the kernel's.
-const fn join(kind: &[&'static str], kernel: &[&'static str]) -> [&'static str; MOST_PARTS] {
+const fn join<C: Constraint<N, R>, const N: usize, const R: usize>(
+    kernel: &[&'static str],
+) -> [&'static str; MOST_PARTS] {
     let mut parts = [""; MOST_PARTS];
-    let lists: [&[&'static str]; 3] = [&WGSL, kind, kernel];
+    let lists: [&[&'static str]; 4] = [&WGSL, &[C::Multiplier::WGSL], C::WGSL, kernel];
     let (mut n, mut list) = (0, 0);
     while list < lists.len() {
         let mut k = 0;

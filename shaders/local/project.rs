@@ -16,7 +16,7 @@ pub struct Project<C, const N: usize, const R: usize>(PhantomData<C>);
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for Project<C, N, R> {
     const NAME: &'static str = "project";
-    const WGSL: &'static [&'static str] = &join(C::WGSL, &[CORNERS, include_str!("project.wgsl")]);
+    const WGSL: &'static [&'static str] = &join::<C, N, R>(&[CORNERS, include_str!("project.wgsl")]);
     type Uniform = ();
     type Inputs = ([u32; N], C, Vec4);
 }

@@ -17,7 +17,7 @@ pub struct Pull<C, const N: usize, const R: usize>(PhantomData<C>);
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for Pull<C, N, R> {
     const NAME: &'static str = "pull";
-    const WGSL: &'static [&'static str] = &join(C::WGSL, &[include_str!("pull.wgsl")]);
+    const WGSL: &'static [&'static str] = &join::<C, N, R>(&[include_str!("pull.wgsl")]);
     type Uniform = ();
     type Inputs = (u32, u32, C, [Vec4; R]);
 }

@@ -16,7 +16,7 @@ pub struct PullFused<C, const N: usize, const R: usize>(PhantomData<C>);
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for PullFused<C, N, R> {
     const NAME: &'static str = "pull_fused";
-    const WGSL: &'static [&'static str] = &join(C::WGSL, &[CORNERS, include_str!("pull_fused.wgsl")]);
+    const WGSL: &'static [&'static str] = &join::<C, N, R>(&[CORNERS, include_str!("pull_fused.wgsl")]);
     type Uniform = ();
     type Inputs = (u32, u32, [u32; N], C, Vec4);
 }

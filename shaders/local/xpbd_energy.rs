@@ -16,7 +16,7 @@ pub struct XpbdEnergy<C, const N: usize, const R: usize>(PhantomData<C>);
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for XpbdEnergy<C, N, R> {
     const NAME: &'static str = "xpbd_energy";
-    const WGSL: &'static [&'static str] = &join(C::WGSL, &[CORNERS, include_str!("xpbd_energy.wgsl")]);
+    const WGSL: &'static [&'static str] = &join::<C, N, R>(&[CORNERS, include_str!("xpbd_energy.wgsl")]);
     type Uniform = ();
     type Inputs = ([u32; N], C, Vec4);
 }

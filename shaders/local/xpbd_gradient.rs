@@ -16,7 +16,7 @@ pub struct XpbdGradient<C, const N: usize, const R: usize>(PhantomData<C>);
 
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kernel for XpbdGradient<C, N, R> {
     const NAME: &'static str = "xpbd_gradient";
-    const WGSL: &'static [&'static str] = &join(C::WGSL, &[CORNERS, include_str!("xpbd_gradient.wgsl")]);
+    const WGSL: &'static [&'static str] = &join::<C, N, R>(&[CORNERS, include_str!("xpbd_gradient.wgsl")]);
     type Uniform = ();
     type Inputs = (u32, u32, [u32; N], C, Vec4);
 }

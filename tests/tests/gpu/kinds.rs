@@ -347,6 +347,7 @@ impl<const FAULT: usize> Constraint<2, 1> for Twin<FAULT> {
     const NAME: &'static str = "twin";
     // What springs take from others, and another text in place of their own.
     const WGSL: &'static [&'static str] = &[Spring::WGSL[0], BEGIN, TEXTS[FAULT]];
+    type Multiplier = f32;
 
     fn weight(&self) -> f32 {
         self.0.weight()

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
-use vivace_kernels::constraint::{BATCH, Constraint, Xpbd, correct_batch};
+use vivace_kernels::constraint::{BATCH, Constraint, Xpbd};
 use vivace_model::{KindVisitor, Model, Store};
 
 use super::coloring::color_constraints;
@@ -42,7 +42,7 @@ const GRAIN: usize = 256;
 
 /// Kind `C`.
 #[derive(Debug)]
-struct KindOf<C, const N: usize, const R: usize> {
+struct KindOf<C: Constraint<N, R>, const N: usize, const R: usize> {
     /// Members of each color.
     colors: Vec<Range<usize>>,
     particles: Vec<[u32; N]>,
@@ -50,8 +50,8 @@ struct KindOf<C, const N: usize, const R: usize> {
     /// Where the model's constraints stand here.
     place: Vec<u32>,
     /// Multipliers \[N s²\].
-    lambdas: Vec<f32>,
-    history: History<f32>,
+    lambdas: Vec<C::Multiplier>,
+    history: History<C::Multiplier>,
     h: f32,
     moves: Vec<[Vec4; N]>,
 }
@@ -91,7 +91,7 @@ impl KindVisitor for Kinds {
             particles: order.iter().map(pick).map(|k| store.particles[k]).collect(),
             rest: order.iter().map(pick).map(|k| store.rest[k]).collect(),
             place,
-            lambdas: vec![0.0; store.len()],
+            lambdas: vec![C::Multiplier::default(); store.len()],
             history: History::new(store.len()),
             h: 1.0,
             moves: vec![[Vec4::ZERO; N]; store.len()],
@@ -102,7 +102,7 @@ impl KindVisitor for Kinds {
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, R> {
     fn begin(&mut self, h: f32) {
         self.h = h;
-        self.lambdas.fill(0.0);
+        self.lambdas.fill(C::Multiplier::default());
         self.history.begin(&self.lambdas);
     }
 
@@ -132,7 +132,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
             let (some_particles, particles) = particles.as_chunks();
             let (some_lambdas, lambdas) = lambdas.as_chunks_mut();
             for ((rest, particles), lambdas) in some_rest.iter().zip(some_particles).zip(some_lambdas) {
-                if let Some(moves) = correct_batch(rest, particles, &xpbd, q, lambdas) {
+                if let Some(moves) = C::correct_batch(rest, particles, &xpbd, q, lambdas) {
                     for slot in 0..N {
                         for (particles, step) in particles.iter().zip(moves[slot]) {
                             q[particles[slot] as usize] += step;
@@ -153,7 +153,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
         some.with_min_len(GRAIN / BATCH).for_each(|(((rest, particles), lambdas), moves)| {
             if let (Some(rest), Some(particles), Some(lambdas)) =
                 (rest.first_chunk(), particles.first_chunk(), lambdas.first_chunk_mut())
-                && let Some(found) = correct_batch(rest, particles, &xpbd, positions, lambdas)
+                && let Some(found) = C::correct_batch(rest, particles, &xpbd, positions, lambdas)
             {
                 for (lane, moves) in moves.iter_mut().enumerate() {
                     *moves = std::array::from_fn(|slot| found[slot][lane]);
@@ -223,7 +223,7 @@ fn correct_each<C: Constraint<N, R>, const N: usize, const R: usize>(
     particles: &[[u32; N]],
     xpbd: &Xpbd,
     q: &mut [Vec4],
-    lambdas: &mut [f32],
+    lambdas: &mut [C::Multiplier],
 ) {
     for ((rest, particles), lambda) in rest.iter().zip(particles).zip(lambdas) {
         let moves = rest.correct(particles, xpbd, q, lambda);
