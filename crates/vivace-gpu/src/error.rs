@@ -1,5 +1,7 @@
 //! What can go wrong with a device.
 
+use std::sync::OnceLock;
+
 /// Why a device could not be had, or did not do what it was asked to.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -62,4 +64,12 @@ pub enum GpuError {
     /// The device is gone, and all that it held.
     #[error("the device was lost ({0}): make a new one and begin again")]
     Lost(String),
+}
+
+impl GpuError {
+    /// The device is gone, for this reason if it gave one.
+    pub(crate) fn lost(reason: &OnceLock<String>) -> Self {
+        let reason = reason.get().filter(|reason| !reason.is_empty());
+        Self::Lost(reason.cloned().unwrap_or_else(|| "it does not answer".to_owned()))
+    }
 }

@@ -32,6 +32,7 @@ mod gpu;
 mod list;
 mod memory;
 mod pipeline;
+mod read_back;
 mod recorder;
 
 pub use error::GpuError;
@@ -39,4 +40,5 @@ pub use footprint::Footprint;
 pub use gpu::{Gpu, Grids};
 pub use list::List;
 pub use memory::{Buffer, GpuMemory};
+pub use read_back::ReadBack;
 pub use wgpu;

@@ -46,8 +46,14 @@ impl<T: Element> Buffer<T> {
         self.len == 0
     }
 
-    /// The elements where they lie, from the buffer's start, for a pipeline of your own: work that was recorded here is done before
-    /// yours once [`crate::Gpu::submit`] was called.
+    /// The elements where they lie, for a pipeline of the caller's: nothing is copied, and nobody waits.
+    ///
+    /// - Layout: [`Buffer::len`] elements from the buffer's start, one after another as they are in Rust; what is behind them
+    ///   holds nothing. Usages: `STORAGE`, `VERTEX`, `COPY_SRC` and `COPY_DST`. Positions are four `f32` a particle, the fourth of
+    ///   which is no coordinate: `Float32x3` with a stride of 16.
+    /// - Order: call [`crate::Gpu::submit`], then submit to [`crate::Gpu::queue`]. All that was recorded here before is done
+    ///   first, and what is recorded here afterwards comes later. What is not submitted, the caller's commands do not see.
+    /// - Lifetime: as long as this array. Then the memory goes to the next array that asks, even if the caller keeps a clone.
     ///
     /// # Errors
     /// Why there is no such array.
@@ -90,7 +96,10 @@ impl Purpose {
     pub(crate) fn usage(self) -> wgpu::BufferUsages {
         match self {
             Self::Work => {
-                wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST
+                wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::VERTEX
+                    | wgpu::BufferUsages::COPY_SRC
+                    | wgpu::BufferUsages::COPY_DST
             }
             Self::Staging => wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
         }

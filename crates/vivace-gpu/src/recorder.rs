@@ -82,10 +82,17 @@ impl Recorder {
         self.n_dispatches += 1;
     }
 
-    /// Records a copy of the first `bytes`.
-    pub(crate) fn copy(&mut self, from: &wgpu::Buffer, to: &wgpu::Buffer, bytes: u64) {
+    /// Copies the first `bytes` after all that was recorded before, which is handed over with it.
+    pub(crate) fn copy_out(
+        &mut self,
+        from: &wgpu::Buffer,
+        to: &wgpu::Buffer,
+        bytes: u64,
+    ) -> wgpu::SubmissionIndex {
         self.pass = None;
-        self.encoder().copy_buffer_to_buffer(from, 0, to, 0, bytes);
+        let mut encoder = self.encoder.take().unwrap_or_else(|| self.new_encoder());
+        encoder.copy_buffer_to_buffer(from, 0, to, 0, bytes);
+        self.submit_encoder(encoder)
     }
 
     /// Writes to a buffer, after all that was recorded before.
@@ -97,12 +104,22 @@ impl Recorder {
     /// Hands over what was recorded.
     pub(crate) fn submit(&mut self) {
         self.pass = None;
-        let Some(encoder) = self.encoder.take() else { return };
+        if let Some(encoder) = self.encoder.take() {
+            self.submit_encoder(encoder);
+        }
+    }
+
+    fn submit_encoder(&mut self, encoder: wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
         if !self.written.is_empty() {
             self.queue.write_buffer(&self.uniforms, 0, &self.written);
             self.written.clear();
         }
-        self.queue.submit([encoder.finish()]);
+        self.queue.submit([encoder.finish()])
+    }
+
+    /// The queue.
+    pub(crate) fn queue(&self) -> &wgpu::Queue {
+        &self.queue
     }
 
     /// Dispatches recorded so far.
@@ -120,17 +137,16 @@ impl Recorder {
         u32::try_from(offset).unwrap_or_else(|_| unreachable!("below {}", Self::UNIFORMS_SIZE))
     }
 
-    fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
-        let device = &self.device;
-        self.encoder.get_or_insert_with(|| {
-            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("vivace") })
-        })
+    fn new_encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("vivace") })
     }
 
     fn pass(&mut self) -> &mut wgpu::ComputePass<'static> {
         if self.pass.is_none() {
             let descriptor = wgpu::ComputePassDescriptor { label: Some("vivace"), timestamp_writes: None };
-            self.pass = Some(self.encoder().begin_compute_pass(&descriptor).forget_lifetime());
+            let mut encoder = self.encoder.take().unwrap_or_else(|| self.new_encoder());
+            self.pass = Some(encoder.begin_compute_pass(&descriptor).forget_lifetime());
+            self.encoder = Some(encoder);
         }
         self.pass.as_mut().unwrap_or_else(|| unreachable!("set above"))
     }

@@ -13,7 +13,7 @@ use crate::gpu;
 const PAPER: Algorithm = Algorithm::Vivace(Vivace::DEFAULT);
 
 /// A device of the caller's, with the given limits.
-fn device(limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
+pub(crate) fn device(limits: wgpu::Limits) -> (wgpu::Device, wgpu::Queue) {
     pollster::block_on(async {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default()).await;

@@ -5,6 +5,7 @@ mod colorings;
 mod device;
 mod kernels;
 mod kinds;
+mod read_back;
 mod sweep;
 
 use vivace_gpu::Gpu;

@@ -5,15 +5,15 @@ mod run;
 
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
-use std::sync::{Arc, OnceLock, mpsc};
+use std::sync::{Arc, OnceLock};
 
 use vivace_kernels::Element;
 
-use crate::GpuError;
 use crate::list::{HEADER_BYTES, Header, Headers, Indices, N_HEADERS};
-use crate::memory::{Allocation, Pool, Purpose, array_bytes};
+use crate::memory::{Allocation, Buffer, Pool, Purpose, array_bytes};
 use crate::pipeline::Pipelines;
 use crate::recorder::{GROUP, Recorder};
+use crate::{GpuError, ReadBack};
 
 /// Bind groups that are kept; more mean that array lengths have changed over and over.
 const MOST_BIND_GROUPS: usize = 1024;
@@ -170,6 +170,11 @@ impl Gpu {
         &self.device
     }
 
+    /// The queue, for pipelines of the caller's that read the arrays here, see [`Buffer::raw`].
+    pub fn queue(&self) -> wgpu::Queue {
+        self.recorder.borrow().queue().clone()
+    }
+
     /// Bytes allocated on the device, in use or waiting to be used again.
     pub fn allocated(&self) -> u64 {
         FIXED_BYTES + self.pool.allocated()
@@ -234,35 +239,35 @@ impl Gpu {
         Ok(Arc::new(Indices { memory, capacity, header }))
     }
 
+    /// Begins to copy an array to the host, as it is after all that was recorded so far, which is handed over to the device. The
+    /// host does not wait: it goes on, and asks the copy later.
+    ///
+    /// # Errors
+    /// Why there is no such array, or no memory for its copy.
+    pub fn read_back<T: Element>(&self, array: &Buffer<T>) -> Result<ReadBack<T>, GpuError> {
+        self.copy_back(array.raw()?, array.len)
+    }
+
+    /// A copy of the first `len` elements of a buffer.
+    fn copy_back<T: Element>(&self, buffer: &wgpu::Buffer, len: usize) -> Result<ReadBack<T>, GpuError> {
+        let bytes = array_bytes::<T>(len);
+        let copy = if bytes == 0 {
+            None
+        } else {
+            let staging = self.allocate(Purpose::Staging, bytes)?;
+            let submission = self.recorder.borrow_mut().copy_out(buffer, &staging.buffer, bytes);
+            Some((staging, submission))
+        };
+        Ok(ReadBack::new(self.device.clone(), self.lost.clone(), len, copy))
+    }
+
     /// The first `len` elements of a buffer, when all that was recorded is done.
     fn download<T: Element>(&self, buffer: &wgpu::Buffer, len: usize) -> Result<Vec<T>, GpuError> {
-        let bytes = array_bytes::<T>(len);
-        if bytes == 0 {
-            return Ok(vec![T::zeroed(); len]);
-        }
-        let staging = self.allocate(Purpose::Staging, bytes)?;
-        let mut recorder = self.recorder.borrow_mut();
-        recorder.copy(buffer, &staging.buffer, bytes);
-        recorder.submit();
-        let (sender, receiver) = mpsc::channel();
-        staging.buffer.map_async(wgpu::MapMode::Read, ..bytes, move |mapped| {
-            let _ = sender.send(mapped);
-        });
-        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
-        if polled.is_err() || !matches!(receiver.try_recv(), Ok(Ok(()))) {
-            return Err(self.lost());
-        }
-        let mut elements = vec![T::zeroed(); len];
-        let mapped = staging.buffer.get_mapped_range(..bytes).map_err(|_| self.lost())?;
-        bytemuck::cast_slice_mut(&mut elements).copy_from_slice(&mapped);
-        drop(mapped);
-        staging.buffer.unmap();
-        Ok(elements)
+        self.copy_back(buffer, len)?.wait()
     }
 
     fn lost(&self) -> GpuError {
-        let reason = self.lost.get().filter(|reason| !reason.is_empty());
-        GpuError::Lost(reason.cloned().unwrap_or_else(|| "it does not answer".to_owned()))
+        GpuError::lost(&self.lost)
     }
 
     /// Waits for what was recorded, and sees all lengths.
