@@ -236,9 +236,16 @@ impl Gpu {
 
     /// The first `len` elements of a buffer, when all that was recorded is done.
     fn download<T: Element>(&self, buffer: &wgpu::Buffer, len: usize) -> Result<Vec<T>, GpuError> {
-        let bytes = array_bytes::<T>(len);
+        let mut elements = vec![T::zeroed(); len];
+        self.download_to(buffer, &mut elements)?;
+        Ok(elements)
+    }
+
+    /// The first elements of a buffer, when all that was recorded is done.
+    fn download_to<T: Element>(&self, buffer: &wgpu::Buffer, elements: &mut [T]) -> Result<(), GpuError> {
+        let bytes = array_bytes::<T>(elements.len());
         if bytes == 0 {
-            return Ok(vec![T::zeroed(); len]);
+            return Ok(());
         }
         let staging = self.allocate(Purpose::Staging, bytes)?;
         let mut recorder = self.recorder.borrow_mut();
@@ -252,12 +259,11 @@ impl Gpu {
         if polled.is_err() || !matches!(receiver.try_recv(), Ok(Ok(()))) {
             return Err(self.lost());
         }
-        let mut elements = vec![T::zeroed(); len];
         let mapped = staging.buffer.get_mapped_range(..bytes).map_err(|_| self.lost())?;
-        bytemuck::cast_slice_mut(&mut elements).copy_from_slice(&mapped);
+        bytemuck::cast_slice_mut(elements).copy_from_slice(&mapped);
         drop(mapped);
         staging.buffer.unmap();
-        Ok(elements)
+        Ok(())
     }
 
     fn lost(&self) -> GpuError {
