@@ -68,17 +68,29 @@ impl<T: Element> ReadBack<T> {
     /// The device was lost.
     pub fn try_read(&mut self) -> Result<Option<Vec<T>>, GpuError> {
         let has_arrived = self.arrive(wgpu::PollType::Poll)?;
-        if has_arrived { self.elements().map(Some) } else { Ok(None) }
+        if !has_arrived {
+            return Ok(None);
+        }
+        let mut elements = vec![T::zeroed(); self.len];
+        self.copy_to(&mut elements)?;
+        Ok(Some(elements))
     }
 
     /// The elements. The host waits for them, and for nothing that was submitted after them.
     ///
     /// # Errors
     /// The device was lost.
-    pub fn wait(mut self) -> Result<Vec<T>, GpuError> {
+    pub fn wait(self) -> Result<Vec<T>, GpuError> {
+        let mut elements = vec![T::zeroed(); self.len];
+        self.wait_in(&mut elements)?;
+        Ok(elements)
+    }
+
+    /// As [`ReadBack::wait`], in memory of the caller's, as long as the array.
+    pub(crate) fn wait_in(mut self, elements: &mut [T]) -> Result<(), GpuError> {
         let submission_index = self.copy.as_ref().map(|copy| copy.submission.clone());
         let arrived = self.arrive(wgpu::PollType::Wait { submission_index, timeout: None })?;
-        if arrived { self.elements() } else { Err(self.lost()) }
+        if arrived { self.copy_to(elements) } else { Err(self.lost()) }
     }
 
     /// Whether the copy has arrived, once the device was polled.
@@ -93,14 +105,13 @@ impl<T: Element> ReadBack<T> {
         Ok(true)
     }
 
-    fn elements(&self) -> Result<Vec<T>, GpuError> {
-        let mut elements = vec![T::zeroed(); self.len];
+    fn copy_to(&self, elements: &mut [T]) -> Result<(), GpuError> {
         if let Some(copy) = &self.copy {
             let bytes = array_bytes::<T>(self.len);
             let mapped = copy.staging.buffer.get_mapped_range(..bytes).map_err(|_| self.lost())?;
-            bytemuck::cast_slice_mut(&mut elements).copy_from_slice(&mapped);
+            bytemuck::cast_slice_mut(elements).copy_from_slice(&mapped);
         }
-        Ok(elements)
+        Ok(())
     }
 
     fn lost(&self) -> GpuError {

@@ -266,6 +266,11 @@ impl Gpu {
         self.copy_back(buffer, len)?.wait()
     }
 
+    /// The first elements of a buffer, when all that was recorded is done.
+    fn download_to<T: Element>(&self, buffer: &wgpu::Buffer, elements: &mut [T]) -> Result<(), GpuError> {
+        self.copy_back(buffer, elements.len())?.wait_in(elements)
+    }
+
     fn lost(&self) -> GpuError {
         GpuError::lost(&self.lost)
     }
