@@ -1,5 +1,7 @@
 //! What runs kernels.
 
+use std::ops::Range;
+
 use crate::{CountDown, Element, Map, Memory, Scatter, Select, Update, Views};
 
 /// Runs kernels over arrays that it keeps.
@@ -15,9 +17,9 @@ pub trait Backend {
     /// Where arrays live.
     type Memory: Memory;
     /// An array of `T`, owned.
-    type Buffer<T: Element>;
+    type Buffer<T: Element>: Send;
     /// A set of element indices.
-    type List: Clone;
+    type List: Clone + Send;
 
     /// An array of `len` times `value`.
     fn filled<T: Element>(&self, len: usize, value: T) -> Self::Buffer<T>;
@@ -34,8 +36,20 @@ pub trait Backend {
     /// What went wrong in computing it or on its way.
     fn read<T: Element>(&self, buffer: Self::Buffer<T>) -> Result<Vec<T>, Self::Error>;
 
+    /// Puts `data` in place of the first elements of an array. Those past the array's end are left away.
+    fn write<T: Element>(&self, buffer: &mut Self::Buffer<T>, data: &[T]);
+
+    /// Copies the first elements of an array to the host, as many as there are in `elements`, which the array has.
+    ///
+    /// # Errors
+    /// What went wrong in computing them or on their way; `elements` are then as they were.
+    fn fetch<T: Element>(&self, buffer: &Self::Buffer<T>, elements: &mut [T]) -> Result<(), Self::Error>;
+
     /// The list of all indices below `len`.
     fn all(&self, len: usize) -> Self::List;
+
+    /// The list of the indices in `range`. On a device it takes no memory, and a run over it looks nothing up.
+    fn range(&self, range: Range<u32>) -> Self::List;
 
     /// The indices of a list on the host, ascending.
     ///

@@ -1,4 +1,4 @@
-// The list of all indices below `run.value`.
+// The list of the `run.value` indices from `run.first` on.
 
 @group(0) @binding(0) var<storage, read_write> headers: array<Header>;
 @group(0) @binding(1) var<storage, read_write> list: array<u32>;
@@ -11,6 +11,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         headers[run.list] = header(run.value);
     }
     if i < run.value {
-        list[i] = i;
+        list[i] = run.first + i;
     }
 }

@@ -16,7 +16,12 @@ struct Run {
     kept: u32,
     selected: u32,
     value: u32,
+    // A range: `RANGE` in place of a list, and which.
+    first: u32,
+    len: u32,
 }
+
+const RANGE = 0xffffffffu;
 
 fn header(len: u32) -> Header {
     let n_groups = (len + GROUP - 1u) / GROUP;

@@ -17,7 +17,7 @@ fn take_one(counter: u32) {
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let k = group_index(group) * GROUP + lane;
-    if k < headers[run.list].len {
-        count_down(list[k]);
+    if k < n_elements() {
+        count_down(element(k));
     }
 }

@@ -3,7 +3,7 @@
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let k = group_index(group) * GROUP + lane;
-    if k < headers[run.list].len {
-        map(list[k]);
+    if k < n_elements() {
+        map(element(k));
     }
 }

@@ -5,8 +5,8 @@ const IN_ORDER = 4u;
 
 @compute @workgroup_size(1)
 fn main() {
-    let end = min(run.value + IN_ORDER, headers[run.list].len);
+    let end = min(run.value + IN_ORDER, n_elements());
     for (var k = run.value; k < end; k++) {
-        update(list[k]);
+        update(element(k));
     }
 }

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeSet;
 use std::convert::Infallible;
+use std::ops::Range;
 
 use vivace_coloring::{Algorithm, ConstraintGraph, GraphBuffers, RoundColoring};
 use vivace_kernels::{
@@ -83,8 +84,22 @@ impl Backend for Naive {
         Ok(buffer)
     }
 
+    fn write<T: Element>(&self, buffer: &mut Vec<T>, data: &[T]) {
+        let n = buffer.len().min(data.len());
+        buffer[..n].copy_from_slice(&data[..n]);
+    }
+
+    fn fetch<T: Element>(&self, buffer: &Vec<T>, elements: &mut [T]) -> Result<(), Infallible> {
+        elements.copy_from_slice(&buffer[..elements.len()]);
+        Ok(())
+    }
+
     fn all(&self, len: usize) -> BTreeSet<u32> {
         (0..to_u32(len)).collect()
+    }
+
+    fn range(&self, range: Range<u32>) -> BTreeSet<u32> {
+        range.collect()
     }
 
     fn indices(&self, list: &BTreeSet<u32>) -> Result<Vec<u32>, Infallible> {

@@ -6,6 +6,7 @@
 mod list;
 
 use std::convert::Infallible;
+use std::ops::Range;
 
 use rayon::prelude::*;
 use vivace_kernels::{
@@ -74,8 +75,21 @@ impl Backend for Cpu {
         Ok(buffer)
     }
 
+    fn write<T: Element>(&self, buffer: &mut Vec<T>, data: &[T]) {
+        buffer.iter_mut().zip(data).for_each(|(element, &value)| *element = value);
+    }
+
+    fn fetch<T: Element>(&self, buffer: &Vec<T>, elements: &mut [T]) -> Result<(), Infallible> {
+        elements.copy_from_slice(&buffer[..elements.len()]);
+        Ok(())
+    }
+
     fn all(&self, len: usize) -> List {
         List::all(len)
+    }
+
+    fn range(&self, range: Range<u32>) -> List {
+        List::range(range)
     }
 
     fn indices(&self, list: &List) -> Result<Vec<u32>, Infallible> {

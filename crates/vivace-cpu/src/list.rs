@@ -1,6 +1,8 @@
 //! A list of element indices, ascending. Because it ascends, a piece of it owns a stretch of any array, and pieces can write to
 //! their stretches at the same time without locks, atomics or `unsafe`.
 
+use std::ops::Range;
+
 /// Element indices in strictly ascending order.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct List {
@@ -16,6 +18,12 @@ impl List {
     pub fn all(len: usize) -> Self {
         let len = u32::try_from(len).unwrap_or_else(|_| panic!("{len} elements: indices are 32-bit"));
         Self { indices: (0..len).collect() }
+    }
+
+    /// All indices in `range`.
+    #[must_use]
+    pub fn range(range: Range<u32>) -> Self {
+        Self { indices: range.collect() }
     }
 
     /// The indices in any order, sorted and each once.

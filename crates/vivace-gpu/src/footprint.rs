@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::sync::Arc;
 
 use vivace_kernels::{
@@ -42,7 +43,13 @@ impl Footprint {
     }
 
     fn list(&self, capacity: usize) -> FootprintList {
-        FootprintList { _memory: Arc::new(self.take(Purpose::Work, array_bytes::<u32>(capacity))), capacity }
+        let memory = Arc::new(self.take(Purpose::Work, array_bytes::<u32>(capacity)));
+        FootprintList { memory: Some(memory), capacity }
+    }
+
+    /// The list, with memory for its indices.
+    fn listed(&self, list: &FootprintList) -> FootprintList {
+        if list.memory.is_some() { list.clone() } else { self.list(list.capacity) }
     }
 
     fn array<T: Element>(&self, len: usize) -> FootprintBuffer<T> {
@@ -71,7 +78,8 @@ pub struct FootprintBuffer<T> {
 /// The size of a list.
 #[derive(Clone)]
 pub struct FootprintList {
-    _memory: Arc<Allocation<()>>,
+    /// `None` for a range.
+    memory: Option<Arc<Allocation<()>>>,
     capacity: usize,
 }
 
@@ -100,12 +108,25 @@ impl Backend for Footprint {
         Ok(Vec::new())
     }
 
+    fn write<T: Element>(&self, _: &mut FootprintBuffer<T>, _: &[T]) {}
+
+    fn fetch<T: Element>(&self, _: &FootprintBuffer<T>, elements: &mut [T]) -> Result<(), Infallible> {
+        if !elements.is_empty() {
+            self.take(Purpose::Staging, array_bytes::<T>(elements.len()));
+        }
+        Ok(())
+    }
+
     fn all(&self, len: usize) -> FootprintList {
         self.list(len)
     }
 
+    fn range(&self, range: Range<u32>) -> FootprintList {
+        FootprintList { memory: None, capacity: range.len() }
+    }
+
     fn indices(&self, list: &FootprintList) -> Result<Vec<u32>, Infallible> {
-        if list.capacity > 0 {
+        if list.capacity > 0 && list.memory.is_some() {
             self.take(Purpose::Staging, HEADERS_BYTES);
         }
         Ok(Vec::new())
@@ -165,8 +186,10 @@ impl Backend for Footprint {
         _: NoViews<'_, K>,
         _: &mut FootprintBuffer<K::Output>,
     ) -> FootprintList {
+        let list_before = self.listed(list);
         let _decisions = self.take(Purpose::Work, decisions_bytes(list.capacity));
         let (kept, selected) = (self.list(list.capacity), self.list(list.capacity));
+        drop(list_before);
         *list = kept;
         selected
     }
@@ -188,6 +211,7 @@ impl Backend for Footprint {
         mut round: impl FnMut(u32, &mut FootprintList),
     ) -> RoundCount {
         if list.capacity > 0 {
+            *list = self.listed(list);
             (0..limit.min(3)).for_each(|next| round(next, list));
             self.take(Purpose::Staging, HEADERS_BYTES);
         }

@@ -1,5 +1,6 @@
 //! Lists of element indices. A select makes new lists and leaves the old one as it is, so a copy of a list is the list itself.
 
+use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 use crate::GpuError;
@@ -8,7 +9,14 @@ use crate::memory::{Allocation, locked};
 /// Element indices in ascending order, on the device; nobody on the host knows how many. Or why there is no list.
 #[derive(Clone)]
 pub struct List {
-    pub(crate) state: Result<Arc<Indices>, GpuError>,
+    pub(crate) state: Result<Elements, GpuError>,
+}
+
+/// Which elements.
+#[derive(Clone)]
+pub(crate) enum Elements {
+    Listed(Arc<Indices>),
+    Range(Range<u32>),
 }
 
 pub(crate) struct Indices {
@@ -19,14 +27,28 @@ pub(crate) struct Indices {
 }
 
 impl List {
-    pub(crate) fn state(&self) -> Result<&Arc<Indices>, GpuError> {
+    pub(crate) fn listed(indices: Result<Arc<Indices>, GpuError>) -> Self {
+        Self { state: indices.map(Elements::Listed) }
+    }
+
+    pub(crate) fn state(&self) -> Result<&Elements, GpuError> {
         self.state.as_ref().map_err(Clone::clone)
+    }
+}
+
+impl Elements {
+    /// No list here is longer.
+    pub(crate) fn capacity(&self) -> usize {
+        match self {
+            Self::Listed(indices) => indices.capacity,
+            Self::Range(range) => range.len(),
+        }
     }
 }
 
 impl std::fmt::Debug for List {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let capacity = self.state.as_ref().map(|indices| indices.capacity);
+        let capacity = self.state.as_ref().map(Elements::capacity);
         f.debug_struct("List").field("capacity", &capacity).finish_non_exhaustive()
     }
 }

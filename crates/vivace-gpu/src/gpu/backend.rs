@@ -1,5 +1,6 @@
 //! The forms of kernels, lists and rounds.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use vivace_kernels::{
@@ -7,7 +8,7 @@ use vivace_kernels::{
 };
 
 use super::Gpu;
-use crate::list::Header;
+use crate::list::{Elements, Header};
 use crate::memory::{Buffer, GpuMemory};
 use crate::{GpuError, List};
 
@@ -58,13 +59,33 @@ impl Backend for Gpu {
         self.download(buffer.raw()?, buffer.len)
     }
 
+    fn write<T: Element>(&self, buffer: &mut Buffer<T>, data: &[T]) {
+        if let Ok(memory) = &buffer.memory
+            && !data.is_empty()
+        {
+            let data = &data[..data.len().min(buffer.len)];
+            self.recorder.borrow_mut().upload(&memory.buffer, bytemuck::cast_slice(data));
+        }
+    }
+
+    fn fetch<T: Element>(&self, buffer: &Buffer<T>, elements: &mut [T]) -> Result<(), GpuError> {
+        elements.copy_from_slice(&self.download(buffer.raw()?, elements.len())?);
+        Ok(())
+    }
+
     fn all(&self, len: usize) -> List {
-        List { state: self.try_all(len) }
+        List::listed(self.try_list(0..len))
+    }
+
+    fn range(&self, range: Range<u32>) -> List {
+        List { state: Ok(Elements::Range(range)) }
     }
 
     fn indices(&self, list: &List) -> Result<Vec<u32>, GpuError> {
-        let list = list.state()?;
-        self.download(&list.memory.buffer, self.len(list)? as usize)
+        match list.state()? {
+            Elements::Listed(list) => self.download(&list.memory.buffer, self.len(list)? as usize),
+            Elements::Range(range) => Ok(range.clone().collect()),
+        }
     }
 
     fn map<K: Map>(
@@ -74,7 +95,7 @@ impl Backend for Gpu {
         inputs: Views<'_, K, GpuMemory>,
         output: &mut Buffer<K::Output>,
     ) {
-        self.write::<K, _>(&Shader::map::<K>(), list, uniform, inputs, output);
+        self.run_over::<K, _>(&Shader::map::<K>(), list, uniform, inputs, output);
     }
 
     fn update<K: Update>(
@@ -84,7 +105,7 @@ impl Backend for Gpu {
         inputs: Views<'_, K, GpuMemory>,
         state: &mut Buffer<K::State>,
     ) {
-        self.write::<K, _>(&Shader::update::<K>(), list, uniform, inputs, state);
+        self.run_over::<K, _>(&Shader::update::<K>(), list, uniform, inputs, state);
     }
 
     /// One invocation at a time: for the few that a coloring leaves over, whose number is known since its last round.
@@ -95,7 +116,7 @@ impl Backend for Gpu {
         inputs: Views<'_, K, GpuMemory>,
         state: &mut Buffer<K::State>,
     ) {
-        self.write::<K, _>(&Shader::update_in_order::<K>(), list, uniform, inputs, state);
+        self.run_over::<K, _>(&Shader::update_in_order::<K>(), list, uniform, inputs, state);
     }
 
     fn scatter<K: Scatter<N>, const N: usize>(
@@ -129,8 +150,8 @@ impl Backend for Gpu {
     ) -> List {
         match self.try_select::<K>(list, uniform, inputs, output) {
             Ok([kept, selected]) => {
-                list.state = Ok(kept);
-                List { state: Ok(selected) }
+                list.state = Ok(Elements::Listed(kept));
+                List::listed(Ok(selected))
             }
             Err(error) => {
                 output.memory = Err(error.clone());
@@ -147,7 +168,7 @@ impl Backend for Gpu {
         inputs: Views<'_, K, GpuMemory>,
         counters: &mut Buffer<u32>,
     ) {
-        self.write::<K, _>(&Shader::count_down::<K>(), list, uniform, inputs, counters);
+        self.run_over::<K, _>(&Shader::count_down::<K>(), list, uniform, inputs, counters);
     }
 
     /// Records a batch of rounds, submits it, and only then looks whether the list has become empty. Rounds after that do nothing:
@@ -158,7 +179,8 @@ impl Backend for Gpu {
         let mut count = RoundCount::default();
         let mut begun = Vec::new();
         let mut next = 0;
-        while let Ok(indices) = list.state()
+        *list = List::listed(self.listed(list));
+        while let Ok(Elements::Listed(indices)) = list.state()
             && next < limit
             && indices.capacity > 0
             && !self.is_seen_empty(&indices.header)

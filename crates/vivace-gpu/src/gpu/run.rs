@@ -1,12 +1,13 @@
 //! How a kernel runs: what is bound, which grid, and the dispatches between kernels that fill arrays and split lists.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
 use vivace_kernels::{Element, Inputs, Kernel, ListShader, Select, Shader, ViewVisitor, Views};
 
 use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, decisions_bytes};
-use crate::list::{HEADER_BYTES, Indices};
+use crate::list::{Elements, HEADER_BYTES, Indices};
 use crate::memory::{Allocation, Buffer, GpuMemory, array_bytes};
 use crate::pipeline::{Pipeline, UNIFORM_BYTES};
 use crate::recorder::{GROUP, Grid};
@@ -23,7 +24,12 @@ struct Run {
     kept: u32,
     selected: u32,
     value: u32,
+    first: u32,
+    len: u32,
 }
+
+/// In place of a list: a range.
+const RANGE: u32 = u32::MAX;
 
 /// What is bound of an array without elements: a device takes no less than one of them, and no buffer is smaller than this.
 const EMPTY_BYTES: u64 = 256;
@@ -113,7 +119,11 @@ impl Gpu {
     }
 
     /// The grid of a run over a list.
-    fn grid(&self, list: &Indices) -> Grid<'_> {
+    fn grid(&self, elements: &Elements) -> Grid<'_> {
+        let list = match elements {
+            Elements::Listed(list) => list,
+            Elements::Range(range) => return Grid::Groups(range.len().div_ceil(GROUP)),
+        };
         match self.grids {
             Grids::Indirect => {
                 Grid::Indirect(&self.header_array, u64::from(list.header.place) * HEADER_BYTES)
@@ -126,7 +136,7 @@ impl Gpu {
     fn run<K: Kernel>(
         &self,
         shader: &Shader,
-        list: &Indices,
+        list: &Elements,
         uniform: &K::Uniform,
         inputs: Views<'_, K, GpuMemory>,
         outputs: &[Bound<'_>],
@@ -140,17 +150,29 @@ impl Gpu {
         }
         let mut own = own.bound;
         own.extend_from_slice(outputs);
-        let mut over = vec![self.bound_headers(), list.bound(), Bound::Uniform, Bound::Uniform];
-        over.extend(decisions);
+        let (bound, over) = match list {
+            Elements::Listed(list) => (list.bound(), Run { list: list.header.place, ..Run::zeroed() }),
+            // Nothing is looked up, but something has to be bound.
+            Elements::Range(range) => {
+                let (first, len) = (range.start, range.end.saturating_sub(range.start));
+                (self.bound_headers(), Run { list: RANGE, first, len, ..Run::zeroed() })
+            }
+        };
+        let mut run = vec![self.bound_headers(), bound, Bound::Uniform, Bound::Uniform];
+        run.extend(decisions);
         let pipeline = self.pipelines.kernel::<K>(&self.device, shader);
-        let groups = self.bind(&pipeline, &[over, own]);
+        let groups = self.bind(&pipeline, &[run, own]);
         let dispatch = |value: u32, grid: Grid<'_>| {
-            let run = Run { list: list.header.place, value, ..Run::zeroed() };
+            let run = Run { value, ..over };
             let uniforms = [bytemuck::bytes_of(&run), bytemuck::bytes_of(uniform)];
             self.recorder.borrow_mut().dispatch(&pipeline, &groups, uniforms, grid);
         };
         if shader.form.is_in_order() {
-            (0..self.len(list)?).step_by(IN_ORDER).for_each(|first| dispatch(first, Grid::Groups(1)));
+            let n = match list {
+                Elements::Listed(list) => self.len(list)?,
+                Elements::Range(_) => over.len,
+            };
+            (0..n).step_by(IN_ORDER).for_each(|first| dispatch(first, Grid::Groups(1)));
         } else {
             dispatch(0, self.grid(list));
         }
@@ -158,7 +180,7 @@ impl Gpu {
     }
 
     /// Runs a kernel that writes an array and nothing else.
-    pub(super) fn write<K: Kernel, T: Element>(
+    pub(super) fn run_over<K: Kernel, T: Element>(
         &self,
         shader: &Shader,
         list: &List,
@@ -201,17 +223,18 @@ impl Gpu {
         inputs: Views<'_, K, GpuMemory>,
         output: &Buffer<K::Output>,
     ) -> Result<[Arc<Indices>; 2], GpuError> {
-        let list = list.state()?;
+        let list = self.listed(list)?;
         let bytes = decisions_bytes(list.capacity);
         let memory = self.work(bytes)?;
         let decisions = Bound::Array(&memory.buffer, bytes);
         let (kept, selected) = (self.list(list.capacity)?, self.list(list.capacity)?);
-        self.run::<K>(&Shader::select::<K>(), list, uniform, inputs, &[output.bound()?], Some(decisions))?;
+        let (elements, shader) = (Elements::Listed(list.clone()), Shader::select::<K>());
+        self.run::<K>(&shader, &elements, uniform, inputs, &[output.bound()?], Some(decisions))?;
         let places = Run {
             list: list.header.place,
             kept: kept.header.place,
             selected: selected.header.place,
-            value: 0,
+            ..Run::zeroed()
         };
         let uniforms = [bytemuck::bytes_of(&places), &[]];
         let scan = self.pipelines.list(&self.device, ListShader::Scan);
@@ -222,7 +245,7 @@ impl Gpu {
             vec![self.bound_headers(), list.bound(), Bound::Uniform],
             vec![decisions, kept.bound(), selected.bound()],
         ];
-        self.dispatch(&split, &groups, uniforms, self.grid(list));
+        self.dispatch(&split, &groups, uniforms, self.grid(&elements));
         Ok([kept, selected])
     }
 
@@ -250,10 +273,21 @@ impl Gpu {
         Ok(memory)
     }
 
-    pub(super) fn try_all(&self, len: usize) -> Result<Arc<Indices>, GpuError> {
+    /// The list with memory for its indices: that of a range is made.
+    pub(super) fn listed(&self, list: &List) -> Result<Arc<Indices>, GpuError> {
+        match list.state()? {
+            Elements::Listed(list) => Ok(list.clone()),
+            Elements::Range(range) => self.try_list(range.start as usize..range.end as usize),
+        }
+    }
+
+    pub(super) fn try_list(&self, range: Range<usize>) -> Result<Arc<Indices>, GpuError> {
+        let len = range.len();
         let list = self.list(len)?;
         let value = words(array_bytes::<u32>(len));
-        let run = Run { list: list.header.place, value, ..Run::zeroed() };
+        // Where there is a list, its indices have 32 bits.
+        let first = u32::try_from(range.start).unwrap_or(u32::MAX);
+        let run = Run { list: list.header.place, value, first, ..Run::zeroed() };
         let all = self.pipelines.list(&self.device, ListShader::All);
         let groups = [vec![self.bound_headers(), list.bound(), Bound::Uniform]];
         let grid = Grid::Groups(len.div_ceil(GROUP).max(1));
