@@ -24,6 +24,10 @@ pub mod local;
 pub mod mat3;
 #[path = "common/pcg.rs"]
 pub mod pcg;
+#[path = "pd/mod.rs"]
+pub mod pd;
+#[path = "step/mod.rs"]
+pub mod step;
 
 pub use backend::{Backend, RoundCount, View};
 pub use kernel::{

@@ -14,6 +14,10 @@ pub enum SimError {
     /// The solver or the budget cannot be, or the step left the range of numbers.
     #[error(transparent)]
     Solver(#[from] SolverError),
+    /// There is no GPU, or none that will do. What goes wrong on one later is [`SolverError::Device`].
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Gpu(#[from] vivace_gpu::GpuError),
     /// A state, a force, a target or a time step cannot be.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -16,15 +16,19 @@
 //! A [`Scene`] says what there is, in code or in a file; a [`Solver`] how it is solved; a [`Budget`] how long a frame may take. For
 //! models of your own there is [`ModelBuilder`] and [`Simulation::from_model`]. SI units throughout; y is up.
 
+mod backend;
 mod error;
 mod simulation;
 mod snapshot;
 
+pub use backend::Backend;
 pub use error::SimError;
 pub use glam;
 pub use glam::Vec3;
 pub use simulation::Simulation;
 pub use snapshot::Snapshot;
+#[cfg(feature = "gpu")]
+pub use vivace_gpu as gpu;
 pub use vivace_mesh as mesh;
 pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Wind};
 pub use vivace_scene as scene;

@@ -7,7 +7,7 @@ use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 use vivace_scene::Scene;
 use vivace_solver::{Budget, Solver, StepReport, System};
 
-use crate::{SimError, Snapshot, Vec3};
+use crate::{Backend, SimError, Snapshot, Vec3};
 
 /// A model, its state, what acts on it, and a solver prepared for it.
 ///
@@ -51,6 +51,15 @@ impl Simulation {
         Self::new_in(&Scene::load(path)?, folder, solver)
     }
 
+    /// Builds a scene and simulates it on `backend`; files of meshes are looked for in the current folder.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`]; what the backend does not do, or does not hold.
+    pub fn new_on(scene: &Scene, solver: Solver, backend: Backend) -> Result<Self, SimError> {
+        let (model, state) = scene.build(Path::new("."))?;
+        Self::from_model_on(model, state, scene.forces, scene.time_step, solver, backend)
+    }
+
     /// A model of your own, with `time_step` \[s\] from frame to frame.
     ///
     /// # Errors
@@ -62,17 +71,33 @@ impl Simulation {
         time_step: f32,
         solver: Solver,
     ) -> Result<Self, SimError> {
+        Self::from_model_on(model, state, forces, time_step, solver, Backend::cpu())
+    }
+
+    /// As [`Simulation::from_model`], on `backend`. On a GPU positions and velocities stay there from step to step; each step reads them
+    /// back once, and writes them only where [`Simulation::set_state`] or a snapshot has changed them.
+    ///
+    /// # Errors
+    /// As [`Simulation::from_model`]; what the backend does not do, or does not hold.
+    pub fn from_model_on(
+        model: Model,
+        state: State,
+        forces: Forces,
+        time_step: f32,
+        solver: Solver,
+        backend: Backend,
+    ) -> Result<Self, SimError> {
         state.check(&model)?;
         forces.check()?;
         check_time_step(time_step)?;
-        let system = System::new(model, solver)?;
+        let system = backend.system(model, solver)?;
         Ok(Self { system, state, forces, time_step, frame: 0, time: 0.0 })
     }
 
     /// The next frame.
     ///
     /// # Errors
-    /// A budget or force that cannot be; a result that is not finite. The simulation is then as it was.
+    /// A budget or force that cannot be; a result that is not finite; a GPU that fails or is lost. The simulation is then as it was.
     pub fn step(&mut self, budget: Budget) -> Result<StepReport, SimError> {
         let report = self.system.step(&mut self.state, &self.forces, self.time_step, budget)?;
         self.frame += 1;

@@ -1,19 +1,31 @@
 //! What runs the lines of Algorithm 1.
 
+use std::any::Any;
 use std::fmt::Debug;
 
 use glam::Vec3;
 use vivace_model::{Forces, Model, State};
 
-use crate::{SolverError, Stages};
+use crate::{Solver, SolverError, Stages};
 
 /// A framework where it runs, with the positions and velocities of a frame.
 pub(crate) trait Engine: Debug + Send + Sync {
+    /// The backend, where there is one, as what it is.
+    fn backend(&mut self) -> Option<&mut dyn Any> {
+        None
+    }
+
     /// How many colors a sweep has.
     fn n_colors(&self) -> usize;
 
     /// How many passes beside the sweep itself an iteration has.
     fn n_passes(&self) -> usize;
+
+    /// Takes another solver.
+    ///
+    /// # Errors
+    /// It does not exist here; the old one stays.
+    fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError>;
 
     /// Moves the target of attachment `idx`, which exists \[m\].
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);

@@ -34,6 +34,17 @@ pub enum SolverError {
         /// The relaxation.
         relaxation: &'static str,
     },
+    /// What a device does not do.
+    #[error("{what} is not done on a device: take {instead}, or stay on the CPU")]
+    NotOnDevice {
+        /// What was asked for.
+        what: &'static str,
+        /// What is done there.
+        instead: &'static str,
+    },
+    /// The device could not do its work: the error is the backend's own.
+    #[error(transparent)]
+    Device(Box<dyn std::error::Error + Send + Sync>),
     /// The crate was built without the feature.
     #[error("the direct solver is not built in: enable the feature `direct`")]
     NoDirect,

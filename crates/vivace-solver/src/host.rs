@@ -6,7 +6,9 @@ use glam::{DMat3, Vec3};
 use vivace_model::{Forces, Model, State};
 
 use crate::engine::Engine;
-use crate::{SolverError, Stages};
+use crate::pbd::PositionBased;
+use crate::pd::ProjectiveDynamics;
+use crate::{Framework, Solver, SolverError, Stages};
 
 /// A framework on the host.
 pub(crate) trait Solve: Stages + Debug + Send + Sync {
@@ -28,8 +30,8 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
 
 /// A framework, and what moves.
 #[derive(Debug)]
-pub(crate) struct Host<F> {
-    framework: F,
+pub(crate) struct Host {
+    framework: Box<dyn Solve>,
     /// Positions before the (small) step, predicted, and after it; velocities and accelerations.
     before: Vec<Vec3>,
     predicted: Vec<Vec3>,
@@ -40,29 +42,47 @@ pub(crate) struct Host<F> {
     drags: Vec<DMat3>,
 }
 
-impl<F: Solve> Host<F> {
-    /// For `n` particles.
-    pub(crate) fn new(framework: F, n: usize) -> Self {
-        let zeros = || vec![Vec3::ZERO; n];
-        Self {
-            framework,
+/// The framework that `solver` asks for.
+fn framework(model: &Model, solver: &Solver) -> Result<Box<dyn Solve>, SolverError> {
+    Ok(match solver.framework {
+        Framework::ProjectiveDynamics { local, vertex } => {
+            Box::new(ProjectiveDynamics::new(model, local, vertex, solver.relaxation)?)
+        }
+        Framework::PositionBased => Box::new(PositionBased::new(model)?),
+    })
+}
+
+impl Host {
+    /// Prepares `model` for `solver`.
+    ///
+    /// # Errors
+    /// More constraints than 32 bits can number.
+    pub(crate) fn new(model: &Model, solver: &Solver) -> Result<Self, SolverError> {
+        let zeros = || vec![Vec3::ZERO; model.n_particles()];
+        Ok(Self {
+            framework: framework(model, solver)?,
             before: zeros(),
             predicted: zeros(),
             after: zeros(),
             velocities: zeros(),
             accelerations: zeros(),
             drags: Vec::new(),
-        }
+        })
     }
 }
 
-impl<F: Solve> Engine for Host<F> {
+impl Engine for Host {
     fn n_colors(&self) -> usize {
         self.framework.n_colors() as usize
     }
 
     fn n_passes(&self) -> usize {
         self.framework.n_passes()
+    }
+
+    fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError> {
+        self.framework = framework(model, solver)?;
+        Ok(())
     }
 
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
@@ -96,7 +116,7 @@ impl<F: Solve> Engine for Host<F> {
     }
 
     fn stages(&mut self) -> &mut dyn Stages {
-        &mut self.framework
+        &mut *self.framework
     }
 
     fn update_velocities(&mut self, forces: &Forces, h: f32) {

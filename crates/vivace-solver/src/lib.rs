@@ -7,6 +7,7 @@
 mod budget;
 #[cfg(feature = "direct")]
 mod cholesky;
+mod device;
 mod engine;
 mod error;
 mod history;

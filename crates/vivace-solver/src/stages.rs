@@ -59,6 +59,9 @@ pub trait Stages {
     /// Root mean square of the objective's gradient over the free particles \[N\].
     fn residual(&mut self) -> f64;
 
+    /// Until all that was asked for is done, where that is not so anyway: for a budget of time.
+    fn wait(&mut self) {}
+
     /// Keeps q to come back to.
     fn save(&mut self);
 

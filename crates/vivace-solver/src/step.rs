@@ -66,6 +66,9 @@ pub(crate) fn solve(
         }
         schedule.iterate(stages);
         k += 1;
+        if budget.seconds.is_some() {
+            stages.wait();
+        }
         report.last_move = budget.tolerance.map(|_| stages.moved());
         let is_small = report.last_move.zip(budget.tolerance).is_some_and(|(moved, most)| moved <= most);
         let has_settled = is_small && schedule.settle();

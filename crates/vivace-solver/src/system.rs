@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use glam::Vec3;
+use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 
+use crate::device::OnDevice;
 use crate::engine::Engine;
 use crate::host::Host;
-use crate::pbd::PositionBased;
-use crate::pd::ProjectiveDynamics;
 use crate::step::{Ease, solve};
 use crate::{Budget, Framework, Relaxation, Solver, SolverError, StepReport};
 
@@ -25,17 +25,6 @@ pub struct System {
     is_measuring: bool,
 }
 
-/// The engine that runs `solver`.
-fn engine(model: &Model, solver: &Solver) -> Result<Box<dyn Engine>, SolverError> {
-    let n = model.n_particles();
-    Ok(match solver.framework {
-        Framework::ProjectiveDynamics { local, vertex } => {
-            Box::new(Host::new(ProjectiveDynamics::new(model, local, vertex, solver.relaxation)?, n))
-        }
-        Framework::PositionBased => Box::new(Host::new(PositionBased::new(model)?, n)),
-    })
-}
-
 impl System {
     /// Prepares `model` for `solver`: graph, coloring, rows of Y.
     ///
@@ -43,8 +32,32 @@ impl System {
     /// Parameters out of range; a combination that does not exist; more constraints than 32 bits can number.
     pub fn new(model: Model, solver: Solver) -> Result<Self, SolverError> {
         solver.check()?;
-        let engine = engine(&model, &solver)?;
-        Ok(Self { model, solver, engine, ease: Ease::default(), is_measuring: false })
+        let engine = Host::new(&model, &solver)?;
+        Ok(Self::with_engine(model, solver, Box::new(engine)))
+    }
+
+    /// Prepares `model` for `solver` on a device, where its positions then stay from frame to frame: see [`System::step`]. Projective
+    /// Dynamics, with every relaxation that is not serial.
+    ///
+    /// # Errors
+    /// As [`System::new`]; what is not done on a device; what this one does not hold.
+    pub fn on<B: Backend + Send + 'static>(
+        model: Model,
+        solver: Solver,
+        backend: B,
+    ) -> Result<Self, SolverError> {
+        solver.check()?;
+        let engine = OnDevice::new(backend, &model, &solver)?;
+        Ok(Self::with_engine(model, solver, Box::new(engine)))
+    }
+
+    /// The backend that [`System::on`] was given; `None` on the CPU's own engine, or where it is of another type.
+    pub fn backend<B: Backend + 'static>(&mut self) -> Option<&mut B> {
+        self.engine.backend()?.downcast_mut()
+    }
+
+    fn with_engine(model: Model, solver: Solver, engine: Box<dyn Engine>) -> Self {
+        Self { model, solver, engine, ease: Ease::default(), is_measuring: false }
     }
 
     /// The model.
@@ -65,7 +78,7 @@ impl System {
     /// As [`System::new`]; the old solver stays.
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SolverError> {
         solver.check()?;
-        self.engine = engine(&self.model, &solver)?;
+        self.engine.set_solver(&self.model, &solver)?;
         self.solver = solver;
         self.ease = Ease::default();
         Ok(())
@@ -109,7 +122,9 @@ impl System {
         self.engine.n_passes()
     }
 
-    /// Advances `state` by `h` \[s\]: Algorithm 1, once for each small step.
+    /// Advances `state` by `h` \[s\]: Algorithm 1, once for each small step. On a device, `state` is written there unless it is the
+    /// one that the last step has left, and read back when the frame is done; a budget of seconds makes the host wait after each
+    /// iteration, a tolerance makes it look.
     ///
     /// # Errors
     /// A state, force, step or budget that cannot be simulated; a result that is not finite. The state is then as it was.

@@ -3,10 +3,12 @@
 mod cases;
 mod colorings;
 mod device;
+mod frames;
 mod kernels;
 mod kinds;
 mod read_back;
 mod sweep;
+mod vertices;
 
 use vivace_gpu::Gpu;
 

@@ -7,10 +7,10 @@
 mod conjugate_gradient;
 #[cfg(feature = "direct")]
 mod direct;
-mod layout;
-mod pass;
+pub(crate) mod layout;
+pub(crate) mod pass;
 mod points;
-mod rows;
+pub(crate) mod rows;
 mod slices;
 mod sweep;
 
@@ -63,6 +63,50 @@ pub struct ProjectiveDynamics {
     residual: Vec<Vec3>,
 }
 
+/// The attachments of a model, particles by the solver's numbers.
+pub(crate) fn attachments(model: &Model, layout: &Layout) -> Vec<(u32, Vec3A, f32)> {
+    let all = &model.constraints().attachments;
+    let held = all.particles.iter().zip(&all.rest);
+    held.map(|(&[particle], rest)| (layout.place[particle as usize], rest.target.into(), rest.stiffness))
+        .collect()
+}
+
+/// The masses of a model by the solver's numbers.
+pub(crate) fn masses(model: &Model, layout: &Layout) -> Vec<f32> {
+    layout.order.iter().map(|&p| model.masses()[p as usize]).collect()
+}
+
+/// For a time step `h`: the weight of each anchor, and one over the diagonal of Y.
+///
+/// # Errors
+/// A diagonal that `f32` cannot hold.
+pub(crate) fn weigh(
+    h: f32,
+    masses: &[f32],
+    attachments: &[(u32, Vec3A, f32)],
+    rows: &Rows,
+    layout: &Layout,
+    (anchor_weights, inverse_diagonal): (&mut [f32], &mut [f32]),
+) -> Result<(), SolverError> {
+    for (weight, mass) in anchor_weights.iter_mut().zip(masses) {
+        *weight = mass / (h * h);
+    }
+    for &(slot, _, stiffness) in attachments {
+        if let Some(weight) = anchor_weights.get_mut(slot as usize) {
+            *weight += stiffness;
+        }
+    }
+    let diagonal = rows.diagonal.iter().zip(anchor_weights).map(|(a, b)| a + *b);
+    for ((inverse, diagonal), &particle) in inverse_diagonal.iter_mut().zip(diagonal).zip(&layout.order) {
+        *inverse = 1.0 / diagonal;
+        // Otherwise what is heavy or stiff beyond numbers would be pinned, and nobody would know.
+        if !inverse.is_normal() {
+            return Err(SolverError::Weight { particle, weight: diagonal });
+        }
+    }
+    Ok(())
+}
+
 /// Vertices that are worth a thread of their own.
 const GRAIN: usize = 32 * LANES;
 /// The same, where there is little to compute.
@@ -92,12 +136,7 @@ impl ProjectiveDynamics {
         let rows = Rows::new(model, &graph, &layout);
         let slices = Slices::new(&rows, &layout.classes);
         let passes = Passes::of(model, &layout)?;
-        let all = &model.constraints().attachments;
-        let held = all.particles.iter().zip(&all.rest);
-        let attachments = held
-            .map(|(&[particle], rest)| (layout.place[particle as usize], rest.target.into(), rest.stiffness))
-            .collect();
-        let masses = layout.order.iter().map(|&p| model.masses()[p as usize]).collect();
+        let (attachments, masses) = (attachments(model, &layout), masses(model, &layout));
         let in_order = layout.place.iter().copied().filter(|&slot| layout.is_free(slot)).collect();
         let (n, n_free) = (model.n_particles(), layout.n_free);
         let q = Points::zeros(n);
@@ -205,24 +244,8 @@ impl Solve for ProjectiveDynamics {
         }
         // Nothing holds for any time step until all does.
         self.h = 0.0;
-        for (weight, mass) in self.anchor_weights.iter_mut().zip(&self.masses) {
-            *weight = mass / (h * h);
-        }
-        for &(slot, _, stiffness) in &self.attachments {
-            if let Some(weight) = self.anchor_weights.get_mut(slot as usize) {
-                *weight += stiffness;
-            }
-        }
-        let diagonal = self.rows.diagonal.iter().zip(&self.anchor_weights).map(|(a, b)| a + b);
-        for ((inverse, diagonal), &particle) in
-            self.inverse_diagonal.iter_mut().zip(diagonal).zip(&self.layout.order)
-        {
-            *inverse = 1.0 / diagonal;
-            // Otherwise what is heavy or stiff beyond numbers would be pinned, and nobody would know.
-            if !inverse.is_normal() {
-                return Err(SolverError::Weight { particle, weight: diagonal });
-            }
-        }
+        let (weights, inverse) = (&mut self.anchor_weights, &mut self.inverse_diagonal);
+        weigh(h, &self.masses, &self.attachments, &self.rows, &self.layout, (weights, inverse))?;
         if self.is_direct {
             #[cfg(feature = "direct")]
             {

@@ -58,18 +58,7 @@ impl<'a> Passes<'a> {
 
 impl KindVisitor for Passes<'_> {
     fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(&mut self, store: &Store<C, N>) {
-        // Springs and attachments are built into rows and anchors; hinges at rest when flat need no projection.
-        let needs_pass = |(_, rest): &(&[u32; N], &C)| !rest.is_linear();
-        if N <= 2 || !store.rest.iter().any(|rest| !rest.is_linear()) {
-            return;
-        }
-        let (particles, rest): (Vec<[u32; N]>, Vec<C>) = store
-            .particles
-            .iter()
-            .zip(&store.rest)
-            .filter(needs_pass)
-            .map(|(particles, rest)| (self.layout.places(*particles), *rest))
-            .unzip();
+        let Some((particles, rest)) = nonlinear(store, self.layout) else { return };
         match KindPass::new(particles, rest, self.layout.n_free) {
             Ok(pass) => self.passes.push(Box::new(pass)),
             Err(error) => self.failed = Some(error),
@@ -77,21 +66,42 @@ impl KindVisitor for Passes<'_> {
     }
 }
 
+/// The constraints of a kind that need a pass, if there are any, particles by the solver's numbers.
+pub(crate) fn nonlinear<C: Constraint<N, R>, const N: usize, const R: usize>(
+    store: &Store<C, N>,
+    layout: &Layout,
+) -> Option<(Vec<[u32; N]>, Vec<C>)> {
+    // Springs and attachments are built into rows and anchors; hinges at rest when flat need no projection.
+    let needs_pass = |(_, rest): &(&[u32; N], &C)| N > 2 && !rest.is_linear();
+    let all = store.particles.iter().zip(&store.rest).filter(needs_pass);
+    let (particles, rest): (Vec<_>, Vec<_>) = all.map(|(&p, &rest)| (layout.places(p), rest)).unzip();
+    (!rest.is_empty()).then_some((particles, rest))
+}
+
+/// By free particle, the places `constraint · N + slot` that it has: where each particle's begin, and the places.
+pub(crate) fn slots<const N: usize>(
+    particles: &[[u32; N]],
+    n_free: usize,
+) -> Result<(Vec<u32>, Vec<u32>), SolverError> {
+    let n_particles = particles.iter().flatten().max().map_or(0, |&most| most as usize + 1).max(n_free);
+    let incidence = Incidence::from_constraints(n_particles, particles)?;
+    let (mut offsets, mut slots) = (vec![0], Vec::new());
+    for particle in (0..).take(n_free) {
+        for &constraint in incidence.constraints(particle) {
+            let members = &particles[constraint as usize];
+            let at = (0..).zip(members).filter(|&(_, &p)| p == particle).map(|(slot, _)| slot);
+            // 4 · 2^30 slots: more than memory holds.
+            let n = u32::try_from(N).unwrap_or(u32::MAX);
+            slots.extend(at.map(|slot: u32| constraint * n + slot));
+        }
+        offsets.push(narrow("particles of constraints", slots.len())?);
+    }
+    Ok((offsets, slots))
+}
+
 impl<C: Constraint<N, R>, const N: usize, const R: usize> KindPass<C, N, R> {
     fn new(particles: Vec<[u32; N]>, rest: Vec<C>, n_free: usize) -> Result<Self, SolverError> {
-        let n_particles = particles.iter().flatten().max().map_or(0, |&most| most as usize + 1).max(n_free);
-        let incidence = Incidence::from_constraints(n_particles, &particles)?;
-        let (mut offsets, mut slots) = (vec![0], Vec::new());
-        for particle in (0..).take(n_free) {
-            for &constraint in incidence.constraints(particle) {
-                let members = &particles[constraint as usize];
-                let at = (0..).zip(members).filter(|&(_, &p)| p == particle).map(|(slot, _)| slot);
-                // 4 · 2^30 slots: more than memory holds.
-                let n = u32::try_from(N).unwrap_or(u32::MAX);
-                slots.extend(at.map(|slot: u32| constraint * n + slot));
-            }
-            offsets.push(narrow("particles of constraints", slots.len())?);
-        }
+        let (offsets, slots) = slots(&particles, n_free)?;
         let projected = vec![[Vec3::ZERO; R]; particles.len()];
         Ok(Self { particles, rest, projected, offsets, slots })
     }

@@ -1,0 +1,44 @@
+//! Sums over a device: most of the adding there, in a fixed order, the rest on the host in `f64`.
+
+use vivace_kernels::Backend;
+use vivace_kernels::step::{BLOCK, Sum, SumUniform};
+
+/// Numbers, and sums of them.
+pub(super) struct Sums<B: Backend> {
+    /// What is to be added up.
+    pub(super) numbers: B::Buffer<f32>,
+    sums: B::Buffer<f32>,
+    on_host: Vec<f32>,
+    /// Sums so far.
+    n_sums: u32,
+}
+
+impl<B: Backend> Sums<B> {
+    /// For so many numbers at a time, in several groups with these numbers of them.
+    pub(super) fn new(backend: &B, groups: &[u32]) -> Self {
+        let most = groups.iter().max().map_or(0, |&most| most as usize);
+        let n_sums: usize = groups.iter().map(|n| n.div_ceil(BLOCK) as usize).sum();
+        Self {
+            numbers: backend.filled(most, 0.0),
+            sums: backend.filled(n_sums, 0.0),
+            on_host: vec![0.0; n_sums],
+            n_sums: 0,
+        }
+    }
+
+    /// Adds up the first `n` numbers.
+    pub(super) fn add(&mut self, backend: &B, n: u32) {
+        let (first, n_sums) = (self.n_sums, n.div_ceil(BLOCK));
+        let uniform = SumUniform { first, n_sums, n_numbers: n };
+        let list = backend.range(first..first + n_sums);
+        backend.map::<Sum>(&list, &uniform, (backend.view(&self.numbers),), &mut self.sums);
+        self.n_sums += n_sums;
+    }
+
+    /// Waits for all that was added up, and begins anew.
+    pub(super) fn total(&mut self, backend: &B) -> Result<f64, B::Error> {
+        let sums = &mut self.on_host[..std::mem::take(&mut self.n_sums) as usize];
+        backend.fetch(&self.sums, sums)?;
+        Ok(sums.iter().map(|&sum| f64::from(sum)).sum())
+    }
+}
