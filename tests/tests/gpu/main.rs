@@ -5,6 +5,7 @@ mod colorings;
 mod device;
 mod kernels;
 mod kinds;
+mod profile;
 mod read_back;
 mod sweep;
 

@@ -30,7 +30,7 @@ pub struct Gpu {
     pool: Arc<Pool<wgpu::Buffer>>,
     pipelines: Pipelines,
     bind_groups: RefCell<HashMap<BindGroupKey, Vec<wgpu::BindGroup>>>,
-    recorder: RefCell<Recorder>,
+    pub(crate) recorder: RefCell<Recorder>,
     /// The places of headers, and the headers.
     headers: Arc<Headers>,
     header_array: wgpu::Buffer,
@@ -85,6 +85,8 @@ impl Gpu {
         let limits = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("vivace"),
+            // For a profile; nothing else needs it.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: wgpu::Limits {
                 max_buffer_size: limits.max_buffer_size,
                 max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
@@ -273,7 +275,7 @@ impl Gpu {
         self.copy_back(buffer, len)?.wait()
     }
 
-    fn lost(&self) -> GpuError {
+    pub(crate) fn lost(&self) -> GpuError {
         GpuError::lost(&self.lost)
     }
 
