@@ -42,6 +42,15 @@ pub enum GpuError {
         /// What it says.
         reason: String,
     },
+    /// The device has no clock that kernels could be timed by.
+    #[error(
+        "{adapter} times no kernels: there are no timestamp queries; take an adapter that has them (wgpu::Features::TIMESTAMP_QUERY), \
+         and request them with a device of your own"
+    )]
+    NoTimestamps {
+        /// Name of the adapter.
+        adapter: String,
+    },
     /// An array larger than the device can bind.
     #[error("an array of {bytes} bytes: this device binds no more than {limit}")]
     TooLarge {

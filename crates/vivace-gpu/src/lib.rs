@@ -20,6 +20,9 @@
 //! is as large as the list that it runs over, as the device itself has found (`dispatch_workgroups_indirect`). The host looks at
 //! lengths only to end a loop over rounds, once for a batch of them, see [`vivace_kernels::Backend::rounds`].
 //!
+//! An array is read without waiting by [`Gpu::read_back`], and handed to a renderer, where it lies, by [`Buffer::raw`].
+//! [`Gpu::profile`] says how long each kernel took.
+//!
 //! Everything stays inside WebGPU's default limits; only arrays may be as large as the device allows. Nothing here fails but the
 //! making of a [`Gpu`] and the reading of results: an array that did not fit, or a device that was lost, is told there.
 //!
@@ -32,6 +35,7 @@ mod gpu;
 mod list;
 mod memory;
 mod pipeline;
+mod profile;
 mod read_back;
 mod recorder;
 
@@ -40,5 +44,6 @@ pub use footprint::Footprint;
 pub use gpu::{Gpu, Grids};
 pub use list::List;
 pub use memory::{Buffer, GpuMemory};
+pub use profile::{KernelTime, Profile};
 pub use read_back::ReadBack;
 pub use wgpu;

@@ -21,6 +21,8 @@ use Binding::{Read, Uniform, Write};
 
 /// A compute pipeline and the layouts of its groups: one for the run, and one for the kernel's own arrays if it has any.
 pub(crate) struct Pipeline {
+    /// The kernel's.
+    pub(crate) name: &'static str,
     pub(crate) pipeline: wgpu::ComputePipeline,
     pub(crate) layouts: Vec<wgpu::BindGroupLayout>,
     /// Uniforms of group 0, which are bound at an offset that is given with each dispatch.
@@ -70,7 +72,7 @@ impl Pipelines {
 }
 
 impl Pipeline {
-    fn new(device: &wgpu::Device, name: &str, wgsl: &str, groups: &[&[Binding]]) -> Self {
+    fn new(device: &wgpu::Device, name: &'static str, wgsl: &str, groups: &[&[Binding]]) -> Self {
         let layout = |bindings: &&[Binding]| {
             let entries: Vec<_> =
                 (0..).zip(*bindings).map(|(place, binding)| binding.layout(place)).collect();
@@ -98,7 +100,7 @@ impl Pipeline {
             cache: None,
         });
         let n_uniforms = groups[0].iter().filter(|&&binding| binding == Uniform).count();
-        Self { pipeline, layouts, n_uniforms }
+        Self { name, pipeline, layouts, n_uniforms }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Records dispatches: all of them in one compute pass, until a copy or the host needs the pass to end.
 
 use crate::pipeline::{Pipeline, UNIFORM_BYTES};
+use crate::profile::Profiler;
 
 /// Uniforms of one submission; when they are used up, what was recorded is submitted.
 const N_UNIFORMS: usize = 2048;
@@ -29,6 +30,8 @@ pub(crate) struct Recorder {
     pass: Option<wgpu::ComputePass<'static>>,
     encoder: Option<wgpu::CommandEncoder>,
     n_dispatches: u64,
+    /// Times dispatches, if it is there: each has a pass of its own then.
+    profiler: Option<Profiler>,
 }
 
 impl Recorder {
@@ -42,7 +45,16 @@ impl Recorder {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        Self { device, queue, uniforms, written: Vec::new(), pass: None, encoder: None, n_dispatches: 0 }
+        Self {
+            device,
+            queue,
+            uniforms,
+            written: Vec::new(),
+            pass: None,
+            encoder: None,
+            n_dispatches: 0,
+            profiler: None,
+        }
     }
 
     /// Where uniforms are bound from.
@@ -54,19 +66,21 @@ impl Recorder {
         })
     }
 
-    /// Records one dispatch. `uniforms` are those of group 0 in binding order.
+    /// Records one dispatch. `uniforms` are those of group 0 in binding order; `bytes` is what it counts for in a profile.
     pub(crate) fn dispatch(
         &mut self,
         pipeline: &Pipeline,
         groups: &[wgpu::BindGroup],
         uniforms: [&[u8]; 2],
         grid: Grid<'_>,
+        bytes: f64,
     ) {
-        if self.written.len() + 2 * UNIFORM_BYTES > Self::UNIFORMS_SIZE {
+        let is_full = self.written.len() + 2 * UNIFORM_BYTES > Self::UNIFORMS_SIZE;
+        if is_full || self.profiler.as_ref().is_some_and(|profiler| !profiler.has_room()) {
             self.submit();
         }
         let offsets = uniforms.map(|uniform| self.write(uniform));
-        let pass = self.pass();
+        let pass = self.pass(pipeline.name, bytes);
         pass.set_pipeline(&pipeline.pipeline);
         for (place, group) in (0..).zip(groups) {
             let n_uniforms = if place == 0 { pipeline.n_uniforms } else { 0 };
@@ -109,12 +123,21 @@ impl Recorder {
         }
     }
 
-    fn submit_encoder(&mut self, encoder: wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
+    fn submit_encoder(&mut self, mut encoder: wgpu::CommandEncoder) -> wgpu::SubmissionIndex {
+        if let Some(profiler) = &mut self.profiler {
+            profiler.resolve(&mut encoder);
+        }
         if !self.written.is_empty() {
             self.queue.write_buffer(&self.uniforms, 0, &self.written);
             self.written.clear();
         }
         self.queue.submit([encoder.finish()])
+    }
+
+    /// From now on dispatches are timed by this one. What was recorded so far is handed over, and the last profiler back.
+    pub(crate) fn replace_profiler(&mut self, profiler: Option<Profiler>) -> Option<Profiler> {
+        self.submit();
+        std::mem::replace(&mut self.profiler, profiler)
     }
 
     /// The queue.
@@ -141,10 +164,13 @@ impl Recorder {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("vivace") })
     }
 
-    fn pass(&mut self) -> &mut wgpu::ComputePass<'static> {
-        if self.pass.is_none() {
-            let descriptor = wgpu::ComputePassDescriptor { label: Some("vivace"), timestamp_writes: None };
+    /// The pass that a dispatch goes to: the one that all share, or one with timestamps.
+    fn pass(&mut self, name: &'static str, bytes: f64) -> &mut wgpu::ComputePass<'static> {
+        if self.pass.is_none() || self.profiler.is_some() {
+            self.pass = None;
             let mut encoder = self.encoder.take().unwrap_or_else(|| self.new_encoder());
+            let timestamp_writes = self.profiler.as_mut().map(|profiler| profiler.time(name, bytes));
+            let descriptor = wgpu::ComputePassDescriptor { label: Some("vivace"), timestamp_writes };
             self.pass = Some(encoder.begin_compute_pass(&descriptor).forget_lifetime());
             self.encoder = Some(encoder);
         }

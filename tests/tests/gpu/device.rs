@@ -126,6 +126,26 @@ fn a_lost_device_is_told() {
     }
 }
 
+/// Whatever is asked of a lost device: new sizes, new kernels, arrays that it had.
+#[test]
+fn a_lost_device_does_not_panic() {
+    let callers = || {
+        let (device, queue) = device(wgpu::Limits::default());
+        Gpu::from_device(device, queue).unwrap()
+    };
+    for gpu in [gpu(), callers()] {
+        let before = gpu.upload(&[7_u32; 100]);
+        gpu.device().destroy();
+        for n in [10, 100, 10_000] {
+            for algorithm in Algorithm::ALL.into_iter().filter(Algorithm::is_seeded) {
+                let error = algorithm.color_on(&gpu, &star(n)).unwrap_err();
+                assert!(matches!(error, ColorOnError::Backend(GpuError::Lost(_))), "{algorithm}: {error}");
+            }
+        }
+        assert!(matches!(gpu.read(before), Err(GpuError::Lost(_))));
+    }
+}
+
 #[test]
 fn lists_without_end_are_refused() {
     let gpu = gpu();

@@ -30,7 +30,7 @@ pub struct Gpu {
     pool: Arc<Pool<wgpu::Buffer>>,
     pipelines: Pipelines,
     bind_groups: RefCell<HashMap<BindGroupKey, Vec<wgpu::BindGroup>>>,
-    recorder: RefCell<Recorder>,
+    pub(crate) recorder: RefCell<Recorder>,
     /// The places of headers, and the headers.
     headers: Arc<Headers>,
     header_array: wgpu::Buffer,
@@ -85,6 +85,8 @@ impl Gpu {
         let limits = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("vivace"),
+            // For a profile; nothing else needs it.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: wgpu::Limits {
                 max_buffer_size: limits.max_buffer_size,
                 max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
@@ -218,18 +220,25 @@ impl Gpu {
 
     fn allocate(&self, purpose: Purpose, bytes: u64) -> Result<Allocation, GpuError> {
         self.pool.take(purpose, bytes, |size, allocated| {
-            let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+            let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
             let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
                 label: None,
                 size,
                 usage: purpose.usage(),
                 mapped_at_creation: false,
             });
-            match pollster::block_on(scope.pop()) {
-                None => Ok(buffer),
-                Some(_) => Err(GpuError::OutOfMemory { bytes: size, allocated }),
+            if pollster::block_on(memory.pop()).is_some() {
+                return Err(GpuError::OutOfMemory { bytes: size, allocated });
             }
+            if self.is_usable(&buffer) { Ok(buffer) } else { Err(self.lost()) }
         })
+    }
+
+    /// A lost device makes buffers without complaint, and panics when they are used: so each is written to once, no bytes.
+    fn is_usable(&self, buffer: &wgpu::Buffer) -> bool {
+        let use_of_it = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        self.recorder.borrow().queue().write_buffer(buffer, 0, &[]);
+        pollster::block_on(use_of_it.pop()).is_none()
     }
 
     /// A list with room for `capacity` indices, nothing in it yet.
@@ -271,7 +280,7 @@ impl Gpu {
         self.copy_back(buffer, elements.len())?.wait_in(elements)
     }
 
-    fn lost(&self) -> GpuError {
+    pub(crate) fn lost(&self) -> GpuError {
         GpuError::lost(&self.lost)
     }
 

@@ -43,6 +43,20 @@ enum Bound<'a> {
     Uniform,
 }
 
+/// The arrays that a kernel writes.
+#[derive(Clone, Copy)]
+struct Written<'a> {
+    arrays: &'a [Bound<'a>],
+    /// Elements of the array of which each invocation writes its own.
+    len: usize,
+}
+
+impl<'a> Written<'a> {
+    fn one(array: &'a Bound<'a>, len: usize) -> Self {
+        Self { arrays: std::slice::from_ref(array), len }
+    }
+}
+
 impl<T: Element> Buffer<T> {
     fn bound(&self) -> Result<Bound<'_>, GpuError> {
         Ok(Bound::Array(self.raw()?, self.n_bytes()))
@@ -73,8 +87,9 @@ impl<'a> ViewVisitor<'a, GpuMemory> for Binder<'a> {
 impl Gpu {
     /// Records one dispatch that binds `groups`.
     fn dispatch(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>], uniforms: [&[u8]; 2], grid: Grid<'_>) {
+        let bytes = groups.iter().map(|group| self.bytes(group)).sum();
         let groups = self.bind(pipeline, groups);
-        self.recorder.borrow_mut().dispatch(pipeline, &groups, uniforms, grid);
+        self.recorder.borrow_mut().dispatch(pipeline, &groups, uniforms, grid, bytes);
     }
 
     /// Bind groups of what is bound, made once: buffers come back from the pool, so the same are asked for again and again.
@@ -114,6 +129,15 @@ impl Gpu {
         pipeline.layouts.iter().zip(groups).map(bind).collect()
     }
 
+    /// Bytes of what is bound, as a profile counts them.
+    fn bytes(&self, bound: &[Bound<'_>]) -> f64 {
+        let bytes = |bound: &Bound<'_>| match *bound {
+            Bound::Array(buffer, bytes) if *buffer != self.header_array => bytes as f64,
+            Bound::Array(..) | Bound::Uniform => 0.0,
+        };
+        bound.iter().map(bytes).sum()
+    }
+
     fn bound_headers(&self) -> Bound<'_> {
         Bound::Array(&self.header_array, HEADERS_BYTES)
     }
@@ -132,24 +156,25 @@ impl Gpu {
         }
     }
 
-    /// Runs a kernel over a list. `outputs` are the arrays it writes; `decisions` is where a select writes what it decides.
+    /// Runs a kernel over a list. `decisions` is where a select writes what it decides.
     fn run<K: Kernel>(
         &self,
         shader: &Shader,
         list: &Elements,
         uniform: &K::Uniform,
         inputs: Views<'_, K, GpuMemory>,
-        outputs: &[Bound<'_>],
+        written: Written<'_>,
         decisions: Option<Bound<'_>>,
     ) -> Result<(), GpuError> {
         const { assert!(size_of::<K::Uniform>() <= UNIFORM_BYTES, "a uniform has 256 bytes at most") };
-        let mut own = Binder { bound: Vec::with_capacity(K::Inputs::LEN + outputs.len()), failed: None };
+        let mut own =
+            Binder { bound: Vec::with_capacity(K::Inputs::LEN + written.arrays.len()), failed: None };
         K::Inputs::visit(inputs, &mut own);
         if let Some(error) = own.failed {
             return Err(error);
         }
         let mut own = own.bound;
-        own.extend_from_slice(outputs);
+        own.extend_from_slice(written.arrays);
         let (bound, over) = match list {
             Elements::Listed(list) => (list.bound(), Run { list: list.header.place, ..Run::zeroed() }),
             // Nothing is looked up, but something has to be bound.
@@ -160,12 +185,14 @@ impl Gpu {
         };
         let mut run = vec![self.bound_headers(), bound, Bound::Uniform, Bound::Uniform];
         run.extend(decisions);
+        let share = (list.capacity() as f64 / written.len.max(1) as f64).min(1.0);
+        let bytes = share * self.bytes(&own) + self.bytes(&run);
         let pipeline = self.pipelines.kernel::<K>(&self.device, shader);
         let groups = self.bind(&pipeline, &[run, own]);
         let dispatch = |value: u32, grid: Grid<'_>| {
             let run = Run { value, ..over };
             let uniforms = [bytemuck::bytes_of(&run), bytemuck::bytes_of(uniform)];
-            self.recorder.borrow_mut().dispatch(&pipeline, &groups, uniforms, grid);
+            self.recorder.borrow_mut().dispatch(&pipeline, &groups, uniforms, grid, bytes);
         };
         if shader.form.is_in_order() {
             let n = match list {
@@ -188,9 +215,9 @@ impl Gpu {
         inputs: Views<'_, K, GpuMemory>,
         output: &mut Buffer<T>,
     ) {
-        let written = list
-            .state()
-            .and_then(|list| self.run::<K>(shader, list, uniform, inputs, &[output.bound()?], None));
+        let written = list.state().and_then(|list| {
+            self.run::<K>(shader, list, uniform, inputs, Written::one(&output.bound()?, output.len), None)
+        });
         if let Err(error) = written {
             output.memory = Err(error);
         }
@@ -207,7 +234,8 @@ impl Gpu {
         second: &mut Buffer<U>,
     ) {
         let written = list.state().and_then(|list| {
-            self.run::<K>(shader, list, uniform, inputs, &[first.bound()?, second.bound()?], None)
+            let written = Written { arrays: &[first.bound()?, second.bound()?], len: second.len };
+            self.run::<K>(shader, list, uniform, inputs, written, None)
         });
         if let Err(error) = written {
             first.memory = Err(error.clone());
@@ -229,7 +257,9 @@ impl Gpu {
         let decisions = Bound::Array(&memory.buffer, bytes);
         let (kept, selected) = (self.list(list.capacity)?, self.list(list.capacity)?);
         let (elements, shader) = (Elements::Listed(list.clone()), Shader::select::<K>());
-        self.run::<K>(&shader, &elements, uniform, inputs, &[output.bound()?], Some(decisions))?;
+        let bound = output.bound()?;
+        let written = Written::one(&bound, output.len);
+        self.run::<K>(&shader, &elements, uniform, inputs, written, Some(decisions))?;
         let places = Run {
             list: list.header.place,
             kept: kept.header.place,
