@@ -9,13 +9,19 @@ use vivace_sim::{
     VertexSolve, Wind,
 };
 
+fn play(simulation: &mut Simulation, n_frames: u32, iterations: u32) {
+    for _ in 0..n_frames {
+        simulation.step(Budget::iterations(iterations)).expect("a frame");
+    }
+}
+
 /// The largest distance after 20 frames of a tablecloth in the wind \[m\].
 fn apart(solver: Solver, backend: Backend) -> f32 {
-    let mut on_cpu = Simulation::new(&tablecloth(16), solver).unwrap();
-    let mut on_gpu = Simulation::new_on(&tablecloth(16), solver, backend).unwrap();
+    let mut on_cpu = Simulation::new(&tablecloth(16), solver).expect("a tablecloth");
+    let mut on_gpu = Simulation::new_on(&tablecloth(16), solver, backend).expect("a small tablecloth");
     for simulation in [&mut on_cpu, &mut on_gpu] {
         simulation.forces_mut().wind = Some(Wind { velocity: Vec3::new(0.5, 0.0, 2.0), drag: 0.2 });
-        (0..20).for_each(|_| drop(simulation.step(Budget::iterations(20)).unwrap()));
+        play(simulation, 20, 20);
     }
     assert_eq!((on_gpu.frame(), on_gpu.time()), (20, on_cpu.time()));
     let pairs = on_cpu.positions().iter().zip(on_gpu.positions());
@@ -58,7 +64,7 @@ fn a_snapshot_resumes_bit_for_bit() {
         whole.step(Budget::iterations(12)).unwrap();
     }
     resumed.restore(&Snapshot::from_json(&text).unwrap()).unwrap();
-    (0..3).for_each(|_| drop(resumed.step(Budget::iterations(12)).unwrap()));
+    play(&mut resumed, 3, 12);
     assert_eq!(resumed.state(), whole.state());
 }
 

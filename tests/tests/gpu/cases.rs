@@ -246,3 +246,25 @@ pub(crate) fn filled<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Er
     array.extend(backend.read(backend.filled(n, words))?.into_iter().flatten());
     Ok(Left { array, lists: vec![backend.indices(&backend.all(n))?] })
 }
+
+/// Ranges in place of lists: in the middle, from the start, empty; mapped over, taken apart, one after another. Arrays written in part
+/// and read in part.
+pub(crate) fn ranges<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Error> {
+    let (third, csr) = (data.n / 3, Csr::new(backend, data));
+    let mut color = guarded(backend, &data.colors);
+    backend.write(&mut color, &data.weights[third as usize..]);
+    let (mut start, middle, none) =
+        (backend.range(0..third), backend.range(third..data.n), backend.range(third..third));
+    for (list, value) in [(&none, 7), (&middle, 3)] {
+        backend.map::<SetValue>(list, &SetValueUniform { value }, (), &mut color);
+    }
+    let inputs = (backend.view(&csr.0), backend.view(&csr.1));
+    let small = backend.range(third / 2..(third / 2 + 9).min(data.n));
+    backend.update_in_order::<TakeColor>(&small, &TakeColorUniform { color: 3 }, inputs, &mut color);
+    let selected = backend.select::<Sample>(&mut start, &data.key, (), &mut color);
+    let mut fetched = vec![0; third as usize + 1];
+    backend.fetch(&color, &mut fetched)?;
+    let mut left = left(backend, color, &[start, middle, none, small, selected])?;
+    left.array.extend(fetched);
+    Ok(left)
+}

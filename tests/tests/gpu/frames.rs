@@ -1,6 +1,8 @@
 //! Whole frames on the GPU: against the same kernels on the CPU, bit for bit where the adapter rounds alike, and against the CPU's own
 //! engine, which adds up in another order.
 
+#![expect(clippy::unwrap_used, reason = "what fails here fails a test")]
+
 use glam::Vec3;
 use vivace_cpu::Cpu;
 use vivace_gpu::{Gpu, GpuError, wgpu};

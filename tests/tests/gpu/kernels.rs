@@ -78,6 +78,7 @@ conform!(
     neighbor_has_color,
     propose_color,
     random_weight,
+    ranges,
     sample_and_the_rest,
     set_value,
     take_color,
