@@ -22,6 +22,8 @@ pub mod lanes;
 pub mod local;
 #[path = "common/mat3.rs"]
 pub mod mat3;
+#[path = "pbd/mod.rs"]
+pub mod pbd;
 #[path = "common/pcg.rs"]
 pub mod pcg;
 #[path = "pd/mod.rs"]

@@ -5,8 +5,8 @@
 use vivace_sim::gpu::{Gpu, wgpu};
 use vivace_sim::scene::tablecloth;
 use vivace_sim::{
-    Backend, Budget, Framework, LocalStep, SimError, Simulation, Snapshot, Solver, SolverError, Vec3,
-    VertexSolve, Wind,
+    Backend, Budget, Framework, LocalStep, Relaxation, SimError, Simulation, Snapshot, Solver, SolverError,
+    Vec3, VertexSolve, Wind,
 };
 
 fn play(simulation: &mut Simulation, n_frames: u32, iterations: u32) {
@@ -32,7 +32,8 @@ fn apart(solver: Solver, backend: Backend) -> f32 {
 #[test]
 fn a_tablecloth_hangs_as_on_the_cpu() {
     let of = |local, vertex| Framework::ProjectiveDynamics { local, vertex };
-    for framework in [Framework::default(), Framework::FUSED, of(LocalStep::Fused, VertexSolve::Block)] {
+    let blocks = of(LocalStep::Fused, VertexSolve::Block);
+    for framework in [Framework::default(), Framework::FUSED, blocks, Framework::PositionBased] {
         let solver = Solver { framework, ..Solver::default() };
         let apart = apart(solver, Backend::gpu().unwrap());
         assert!(apart < 1e-3, "{apart} m apart by {solver:?}");
@@ -70,7 +71,7 @@ fn a_snapshot_resumes_bit_for_bit() {
 
 #[test]
 fn what_is_not_done_there_is_refused() {
-    let solver = Solver { framework: Framework::PositionBased, ..Solver::default() };
+    let solver = Solver { relaxation: Relaxation::Lexicographic { omega: 1.0 }, ..Solver::default() };
     let refused = Simulation::new_on(&tablecloth(4), solver, Backend::gpu().unwrap());
     assert!(matches!(refused, Err(SimError::Solver(SolverError::NotOnDevice { .. }))));
 }

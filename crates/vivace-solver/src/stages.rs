@@ -2,6 +2,9 @@
 
 use crate::Preconditioner;
 
+/// See [`Stages::tolerated_rise`].
+pub(crate) const TOLERATED_RISE: f64 = 1e-4;
+
 /// What an iteration is made of. A relaxation is a schedule of these, written once; Projective Dynamics and Position Based
 /// Dynamics, and any device, say what they do.
 ///
@@ -53,7 +56,7 @@ pub trait Stages {
     /// By how much of itself the objective may rise without cause for alarm: rounding in `f32`, which averages to 10⁻⁵ over a few
     /// hundred nearly unstretched springs. What diverges grows by factors.
     fn tolerated_rise(&self) -> f64 {
-        1e-4
+        TOLERATED_RISE
     }
 
     /// Root mean square of the objective's gradient over the free particles \[N\].

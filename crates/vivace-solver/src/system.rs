@@ -36,8 +36,8 @@ impl System {
         Ok(Self::with_engine(model, solver, Box::new(engine)))
     }
 
-    /// Prepares `model` for `solver` on a device, where its positions then stay from frame to frame: see [`System::step`]. Projective
-    /// Dynamics, with every relaxation that is not serial.
+    /// Prepares `model` for `solver` on a device, where its positions then stay from frame to frame: see [`System::step`]. Position
+    /// Based Dynamics with every relaxation, Projective Dynamics with every one that is not serial.
     ///
     /// # Errors
     /// As [`System::new`]; what is not done on a device; what this one does not hold.

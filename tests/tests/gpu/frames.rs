@@ -8,7 +8,7 @@ use vivace_cpu::Cpu;
 use vivace_gpu::{Gpu, GpuError, wgpu};
 use vivace_kernels::Backend;
 use vivace_model::{Forces, State, Wind};
-use vivace_solver::{Budget, Framework, Relaxation, Solver, SolverError, StepReport, System};
+use vivace_solver::{Budget, Relaxation, Solver, SolverError, StepReport, System};
 use vivace_tests::naive::Naive;
 use vivace_tests::scenes::{
     Bodies, Kind, STEP, Scene, cloth, gauss_seidel, jitter, plain, projective_dynamics, relaxations,
@@ -236,8 +236,7 @@ fn what_is_serial_is_refused_with_a_word_of_what_is_not() {
         assert!(error.to_string().contains("Gauss-Seidel"), "{error}");
     }
     let mut system = System::on(model, plain(gauss_seidel(1.0)), gpu()).unwrap();
-    let framework = Framework::PositionBased;
-    let refused = system.set_solver(Solver { framework, ..plain(gauss_seidel(1.0)) });
+    let refused = system.set_solver(plain(Relaxation::Direct));
     assert!(matches!(refused, Err(SolverError::NotOnDevice { .. })));
     assert_eq!(system.solver(), plain(gauss_seidel(1.0)));
 }

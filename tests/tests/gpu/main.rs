@@ -6,6 +6,7 @@ mod device;
 mod frames;
 mod kernels;
 mod kinds;
+mod position_based;
 mod profile;
 mod read_back;
 mod sweep;

@@ -9,6 +9,7 @@ use vivace_kernels::pd::{
 use vivace_kernels::step::{CopyVector, SquaredDistance, SquaredLength};
 use vivace_model::{Forces, Model, State};
 
+use super::Solve;
 use super::history::History;
 use super::motion::Motion;
 use super::pass::{Pass, Passes};
@@ -18,6 +19,7 @@ use crate::error::narrow;
 use crate::pd::layout::Layout;
 use crate::pd::rows::Rows;
 use crate::pd::{attachments, masses, weigh};
+use crate::stages::TOLERATED_RISE;
 use crate::{Base, Framework, LocalStep, Relaxation, Solver, SolverError, VertexSolve};
 
 /// How a particle is relaxed.
@@ -53,8 +55,8 @@ pub(super) struct Frame<B: Backend> {
     inverse_diagonal: Vec<f32>,
     holds: B::Buffer<Vec4>,
     anchors: B::Buffer<Vec4>,
-    pub(super) motion: Motion<B>,
-    pub(super) history: History<B>,
+    motion: Motion<B>,
+    history: History<B>,
     pulls: B::Buffer<Vec4>,
     /// `b − Y q` \[N\]; where nothing is left of it, scratch.
     residuals: B::Buffer<Vec4>,
@@ -68,7 +70,6 @@ pub(super) struct Frame<B: Backend> {
 impl<B: Backend + 'static> Frame<B> {
     /// Colors the model's graph, lays out the rows of Y, and takes all memory.
     pub(super) fn new(backend: &B, model: &Model, solver: &Solver) -> Result<Self, SolverError> {
-        super::check(solver)?;
         let local = match solver.framework {
             Framework::ProjectiveDynamics { vertex: VertexSolve::Block, .. } => Local::Blocks,
             Framework::ProjectiveDynamics { local: LocalStep::Split { sweeps }, .. } => {
@@ -133,44 +134,6 @@ impl<B: Backend + 'static> Frame<B> {
         backend.fetch(&self.motion.q, &mut []).map_err(device)
     }
 
-    pub(super) fn n_colors(&self) -> usize {
-        self.colors.len()
-    }
-
-    pub(super) fn n_passes(&self) -> usize {
-        self.passes.len()
-    }
-
-    pub(super) fn n_sweeps(&self) -> u32 {
-        if let Local::Split { sweeps } = self.local { sweeps.max(1) } else { 1 }
-    }
-
-    pub(super) fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
-        if let Some(attachment) = self.attachments.get_mut(idx) {
-            attachment.1 = target.into();
-            self.are_targets_new = true;
-        }
-    }
-
-    /// The parameters of a time step `h` \[s\]: inertia and diagonal.
-    pub(super) fn prepare(&mut self, backend: &B, h: f32) -> Result<(), SolverError> {
-        if self.h != h {
-            self.h = 0.0;
-            let (weights, inverse) = (&mut self.anchor_weights, &mut self.inverse_diagonal);
-            weigh(h, &self.masses, &self.attachments, &self.rows_on_host, &self.layout, (weights, inverse))?;
-            self.rows.set_inverse_diagonal(backend, &self.inverse_diagonal);
-            let anchors: Vec<Vec4> = self.anchor_weights.iter().map(|&w| Vec3::ZERO.extend(w)).collect();
-            backend.write(&mut self.anchors, &anchors);
-            self.h = h;
-            self.are_targets_new = true;
-        }
-        if std::mem::take(&mut self.are_targets_new) {
-            let holds = self.holds();
-            backend.write(&mut self.holds, &holds);
-        }
-        Ok(())
-    }
-
     /// What attachments add to the anchors \[m\], and the share of the prediction in them.
     fn holds(&self) -> Vec<Vec4> {
         let share = |(mass, weight): (&f32, &f32)| Vec3::ZERO.extend(mass / (self.h * self.h) / weight);
@@ -181,64 +144,6 @@ impl<B: Backend + 'static> Frame<B> {
             }
         }
         holds
-    }
-
-    pub(super) fn load(&mut self, backend: &B, state: &State) {
-        self.failed = None;
-        self.motion.load(backend, &self.layout, state);
-    }
-
-    pub(super) fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32) {
-        self.motion.predict(backend, model, &self.layout, forces, h);
-    }
-
-    /// Makes anchors of what was predicted.
-    pub(super) fn begin(&mut self, backend: &B) {
-        let inputs = (backend.view(&self.motion.q), backend.view(&self.holds));
-        backend.map::<Anchor>(&self.free, &(), inputs, &mut self.anchors);
-        // All other relaxations remember before they extrapolate.
-        if self.has_previous_in_place {
-            self.history.begin(backend, &self.motion.q);
-        }
-    }
-
-    pub(super) fn store(&mut self, backend: &B, model: &Model, state: &mut State) -> Result<(), SolverError> {
-        self.failed.take().map_or(Ok(()), Err)?;
-        self.motion.store(backend, model, &self.layout, state)
-    }
-
-    pub(super) fn project(&mut self, backend: &B) {
-        if !matches!(self.local, Local::Split { .. }) {
-            return;
-        }
-        let (rows, q) = (&self.rows, &self.motion.q);
-        let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let inputs = (of_rows, taps, backend.view(&rows.pulls), backend.view(q));
-        backend.map::<SpringPull>(&self.free, &(), inputs, &mut self.pulls);
-        for pass in &mut self.passes {
-            pass.project(backend, q);
-            pass.pull_projected(backend, &self.free, &mut self.pulls);
-        }
-    }
-
-    pub(super) fn relax_color(&mut self, backend: &B, color: usize, omega: f32) {
-        let (rows, q) = (&self.rows, &mut self.motion.q);
-        let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let (anchors, list) = (backend.view(&self.anchors), &self.colors[color]);
-        match self.local {
-            Local::Split { .. } => {
-                let inputs = (of_rows, taps, anchors, backend.view(&self.pulls));
-                backend.update::<RelaxLinear>(list, &Omega { omega }, inputs, q);
-            }
-            Local::Fused if self.passes.is_empty() => {
-                let inputs = (of_rows, taps, backend.view(&rows.pulls), anchors);
-                backend.update::<RelaxFused>(list, &Omega { omega }, inputs, q);
-            }
-            Local::Fused | Local::Blocks => {
-                let list = list.clone();
-                self.relax_together(backend, &list, omega);
-            }
-        }
     }
 
     /// All of `list` from the same positions.
@@ -285,7 +190,117 @@ impl<B: Backend + 'static> Frame<B> {
         self.passes.iter().for_each(|pass| pass.add_to_blocks(backend, list, q, &mut self.blocks));
     }
 
-    pub(super) fn relax_color_from_previous(&mut self, backend: &B, color: usize, omega: f32) {
+    /// What was added up; not a number where the device fails, which is a rise to the safeguard.
+    fn total(&mut self, backend: &B) -> f64 {
+        self.sums.total(backend).unwrap_or_else(|error| {
+            self.failed = Some(SolverError::Device(Box::new(error)));
+            f64::NAN
+        })
+    }
+
+    fn mean_root(&mut self, backend: &B) -> f64 {
+        (self.total(backend) / f64::from(self.n_free.max(1))).sqrt()
+    }
+}
+
+impl<B: Backend + 'static> Solve<B> for Frame<B> {
+    fn n_colors(&self) -> usize {
+        self.colors.len()
+    }
+
+    fn n_passes(&self) -> usize {
+        self.passes.len()
+    }
+
+    fn n_sweeps(&self) -> u32 {
+        if let Local::Split { sweeps } = self.local { sweeps.max(1) } else { 1 }
+    }
+
+    fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
+        if let Some(attachment) = self.attachments.get_mut(idx) {
+            attachment.1 = target.into();
+            self.are_targets_new = true;
+        }
+    }
+
+    /// The parameters of a time step `h` \[s\]: inertia and diagonal.
+    fn prepare(&mut self, backend: &B, h: f32) -> Result<(), SolverError> {
+        if self.h != h {
+            self.h = 0.0;
+            let (weights, inverse) = (&mut self.anchor_weights, &mut self.inverse_diagonal);
+            weigh(h, &self.masses, &self.attachments, &self.rows_on_host, &self.layout, (weights, inverse))?;
+            self.rows.set_inverse_diagonal(backend, &self.inverse_diagonal);
+            let anchors: Vec<Vec4> = self.anchor_weights.iter().map(|&w| Vec3::ZERO.extend(w)).collect();
+            backend.write(&mut self.anchors, &anchors);
+            self.h = h;
+            self.are_targets_new = true;
+        }
+        if std::mem::take(&mut self.are_targets_new) {
+            let holds = self.holds();
+            backend.write(&mut self.holds, &holds);
+        }
+        Ok(())
+    }
+
+    fn load(&mut self, backend: &B, state: &State) {
+        self.failed = None;
+        self.motion.load(backend, &self.layout, state);
+    }
+
+    fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32) {
+        self.motion.predict(backend, model, &self.layout, forces, h);
+    }
+
+    /// Makes anchors of what was predicted.
+    fn begin(&mut self, backend: &B, _: f32) {
+        let inputs = (backend.view(&self.motion.q), backend.view(&self.holds));
+        backend.map::<Anchor>(&self.free, &(), inputs, &mut self.anchors);
+        // All other relaxations remember before they extrapolate.
+        if self.has_previous_in_place {
+            self.history.begin(backend, &self.motion.q);
+        }
+    }
+
+    fn store(&mut self, backend: &B, model: &Model, state: &mut State) -> Result<(), SolverError> {
+        self.failed.take().map_or(Ok(()), Err)?;
+        self.motion.store(backend, model, &self.layout, state)
+    }
+
+    fn project(&mut self, backend: &B) {
+        if !matches!(self.local, Local::Split { .. }) {
+            return;
+        }
+        let (rows, q) = (&self.rows, &self.motion.q);
+        let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
+        let inputs = (of_rows, taps, backend.view(&rows.pulls), backend.view(q));
+        backend.map::<SpringPull>(&self.free, &(), inputs, &mut self.pulls);
+        for pass in &mut self.passes {
+            pass.project(backend, q);
+            pass.pull_projected(backend, &self.free, &mut self.pulls);
+        }
+    }
+
+    fn relax_color(&mut self, backend: &B, color: usize, omega: f32) {
+        let (rows, q) = (&self.rows, &mut self.motion.q);
+        let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
+        let (anchors, list) = (backend.view(&self.anchors), &self.colors[color]);
+        match self.local {
+            Local::Split { .. } => {
+                let inputs = (of_rows, taps, anchors, backend.view(&self.pulls));
+                backend.update::<RelaxLinear>(list, &Omega { omega }, inputs, q);
+            }
+            Local::Fused if self.passes.is_empty() => {
+                let inputs = (of_rows, taps, backend.view(&rows.pulls), anchors);
+                backend.update::<RelaxFused>(list, &Omega { omega }, inputs, q);
+            }
+            Local::Fused | Local::Blocks => {
+                let list = list.clone();
+                self.relax_together(backend, &list, omega);
+            }
+        }
+    }
+
+    fn relax_color_from_previous(&mut self, backend: &B, color: usize, omega: f32) {
         let list = self.colors[color].clone();
         backend.map::<CopyVector>(&list, &(), (backend.view(&self.motion.q),), &mut self.latest);
         self.relax_color(backend, color, 1.0);
@@ -293,12 +308,12 @@ impl<B: Backend + 'static> Frame<B> {
         self.history.set_previous(backend, &list, &self.latest);
     }
 
-    pub(super) fn relax_all(&mut self, backend: &B, omega: f32) {
+    fn relax_all(&mut self, backend: &B, omega: f32) {
         let free = self.free.clone();
         self.relax_together(backend, &free, omega);
     }
 
-    pub(super) fn moved(&mut self, backend: &B) -> f32 {
+    fn moved(&mut self, backend: &B) -> f32 {
         let inputs = (backend.view(&self.motion.q), backend.view(self.history.before()));
         backend.map::<SquaredDistance>(&self.free, &(), inputs, &mut self.sums.numbers);
         self.sums.add(backend, self.n_free);
@@ -307,7 +322,7 @@ impl<B: Backend + 'static> Frame<B> {
         moved
     }
 
-    pub(super) fn objective(&mut self, backend: &B) -> f64 {
+    fn objective(&mut self, backend: &B) -> f64 {
         let (rows, q) = (&self.rows, &self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
         let (springs, anchors) = (backend.view(&rows.springs), backend.view(&self.anchors));
@@ -321,7 +336,7 @@ impl<B: Backend + 'static> Frame<B> {
         self.total(backend)
     }
 
-    pub(super) fn residual(&mut self, backend: &B) -> f64 {
+    fn residual(&mut self, backend: &B) -> f64 {
         let free = self.free.clone();
         self.fused_residuals(backend, &free);
         let residuals = (backend.view(&self.residuals),);
@@ -330,7 +345,7 @@ impl<B: Backend + 'static> Frame<B> {
         self.mean_root(backend)
     }
 
-    pub(super) fn wait(&mut self, backend: &B) {
+    fn wait(&mut self, backend: &B) {
         let mut first = [Vec4::ZERO];
         let n = first.len().min(self.n_free as usize);
         if let Err(error) = backend.fetch(&self.residuals, &mut first[..n]) {
@@ -338,15 +353,30 @@ impl<B: Backend + 'static> Frame<B> {
         }
     }
 
-    /// What was added up; not a number where the device fails, which is a rise to the safeguard.
-    fn total(&mut self, backend: &B) -> f64 {
-        self.sums.total(backend).unwrap_or_else(|error| {
-            self.failed = Some(SolverError::Device(Box::new(error)));
-            f64::NAN
-        })
+    fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32) {
+        self.motion.update_velocities(backend, forces, h);
     }
 
-    fn mean_root(&mut self, backend: &B) -> f64 {
-        (self.total(backend) / f64::from(self.n_free.max(1))).sqrt()
+    // `check` lets it come to Position Based Dynamics alone.
+    fn relax_in_order(&mut self, _: &B, _: f32) {}
+
+    fn remember(&mut self, backend: &B) {
+        self.history.remember(backend, &self.motion.q);
+    }
+
+    fn extrapolate(&mut self, backend: &B, omega: f32) {
+        self.history.extrapolate(backend, &mut self.motion.q, omega);
+    }
+
+    fn tolerated_rise(&self) -> f64 {
+        TOLERATED_RISE
+    }
+
+    fn save(&mut self, backend: &B) {
+        self.history.save(backend, &self.motion.q);
+    }
+
+    fn restore(&mut self, backend: &B) {
+        self.history.restore(backend, &mut self.motion.q);
     }
 }

@@ -1,17 +1,20 @@
-//! An engine on a device: Projective Dynamics as kernels over any [`Backend`].
+//! An engine on a device: both frameworks as kernels over any [`Backend`].
 //!
 //! Positions and velocities stay on the device from frame to frame; the host compares what it is given with what it handed out last,
 //! and writes only what is new. Within a frame nothing is read back, but where the host has to decide: `⌈n/256⌉` numbers and no more for
 //! a tolerance (after each iteration), for the safeguard (after 8, 16, 32, 48, … iterations) and where a step is measured. What a
 //! device could not do is remembered and comes out where the frame is stored.
 //!
-//! A color is a range of particles and one dispatch; constraints that are neither springs nor flat hinges add one for each of their
-//! kinds, if projections are fused, and blocks two more.
+//! In Projective Dynamics a color is a range of particles and one dispatch; constraints that are neither springs nor flat hinges add
+//! one for each of their kinds, if projections are fused, and blocks two more. In Position Based Dynamics a color is a range of the
+//! constraints of each kind, and a dispatch for each kind that has some of it.
 
 mod frame;
 mod history;
+mod kind;
 mod motion;
 mod pass;
+mod position_based;
 mod rows;
 mod sums;
 
@@ -26,11 +29,55 @@ use vivace_model::{Forces, Model, State};
 use crate::engine::Engine;
 use crate::{Framework, Preconditioner, Relaxation, Solver, SolverError, Stages};
 use frame::Frame;
+use position_based::PositionBased;
 
 /// A device and what it holds.
 struct Device<B: Backend> {
     backend: B,
-    frame: Frame<B>,
+    frame: Box<dyn Solve<B>>,
+}
+
+/// A framework on a device, and what moves there in a frame: what [`Engine`] and [`Stages`] ask, told where it runs.
+trait Solve<B: Backend>: Send {
+    fn n_colors(&self) -> usize;
+    fn n_passes(&self) -> usize;
+    fn n_sweeps(&self) -> u32 {
+        1
+    }
+    fn set_attachment_target(&mut self, idx: usize, target: Vec3);
+    fn prepare(&mut self, backend: &B, h: f32) -> Result<(), SolverError>;
+    fn load(&mut self, backend: &B, state: &State);
+    fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32);
+    fn begin(&mut self, backend: &B, h: f32);
+    fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32);
+    fn store(&mut self, backend: &B, model: &Model, state: &mut State) -> Result<(), SolverError>;
+    fn project(&mut self, backend: &B);
+    fn relax_color(&mut self, backend: &B, color: usize, omega: f32);
+    fn relax_color_from_previous(&mut self, backend: &B, color: usize, omega: f32);
+    fn relax_all(&mut self, backend: &B, omega: f32);
+    fn relax_in_order(&mut self, backend: &B, omega: f32);
+    fn remember(&mut self, backend: &B);
+    fn extrapolate(&mut self, backend: &B, omega: f32);
+    fn moved(&mut self, backend: &B) -> f32;
+    fn objective(&mut self, backend: &B) -> f64;
+    fn tolerated_rise(&self) -> f64;
+    fn residual(&mut self, backend: &B) -> f64;
+    fn wait(&mut self, backend: &B);
+    fn save(&mut self, backend: &B);
+    fn restore(&mut self, backend: &B);
+}
+
+/// The framework that `solver` asks for.
+fn frame<B: Backend + 'static>(
+    backend: &B,
+    model: &Model,
+    solver: &Solver,
+) -> Result<Box<dyn Solve<B>>, SolverError> {
+    check(solver)?;
+    Ok(match solver.framework {
+        Framework::ProjectiveDynamics { .. } => Box::new(Frame::new(backend, model, solver)?),
+        Framework::PositionBased => Box::new(PositionBased::new(backend, model, solver.relaxation)?),
+    })
 }
 
 /// A device, which may stay on one thread at a time: shared, it tells nothing but counts.
@@ -46,7 +93,7 @@ impl<B: Backend + 'static> OnDevice<B> {
     /// # Errors
     /// What no device does; an array that this one does not hold.
     pub(crate) fn new(backend: B, model: &Model, solver: &Solver) -> Result<Self, SolverError> {
-        let frame = Frame::new(&backend, model, solver)?;
+        let frame = frame(&backend, model, solver)?;
         let (n_colors, n_passes) = (frame.n_colors(), frame.n_passes());
         Ok(Self { device: Mutex::new(Device { backend, frame }), n_colors, n_passes })
     }
@@ -66,10 +113,10 @@ impl<B: Backend> Debug for OnDevice<B> {
 ///
 /// # Errors
 /// Names it, and what to take in its place.
-pub(crate) fn check(solver: &Solver) -> Result<(), SolverError> {
+fn check(solver: &Solver) -> Result<(), SolverError> {
     let refused = |what, instead| Err(SolverError::NotOnDevice { what, instead });
     if solver.framework == Framework::PositionBased {
-        return refused("Position Based Dynamics", "Projective Dynamics");
+        return Ok(());
     }
     match solver.relaxation {
         Relaxation::Lexicographic { .. } => {
@@ -96,7 +143,9 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
 
     fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        *frame = Frame::new(backend, model, solver)?;
+        *frame = self::frame(backend, model, solver)?;
+        let counts = (frame.n_colors(), frame.n_passes());
+        (self.n_colors, self.n_passes) = counts;
         Ok(())
     }
 
@@ -119,9 +168,9 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         frame.predict(backend, model, forces, h);
     }
 
-    fn begin(&mut self, _: f32) {
+    fn begin(&mut self, h: f32) {
         let Device { backend, frame } = self.device();
-        frame.begin(backend);
+        frame.begin(backend, h);
     }
 
     fn stages(&mut self) -> &mut dyn Stages {
@@ -130,7 +179,7 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
 
     fn update_velocities(&mut self, forces: &Forces, h: f32) {
         let Device { backend, frame } = self.device();
-        frame.motion.update_velocities(backend, forces, h);
+        frame.update_velocities(backend, forces, h);
     }
 
     fn store(&mut self, model: &Model, state: &mut State) -> Result<(), SolverError> {
@@ -164,21 +213,22 @@ impl<B: Backend + 'static> Stages for Device<B> {
         self.frame.relax_all(&self.backend, omega);
     }
 
+    fn relax_in_order(&mut self, omega: f32) {
+        self.frame.relax_in_order(&self.backend, omega);
+    }
+
     // `check` lets none of these come here.
-    fn relax_in_order(&mut self, _: f32) {}
 
     fn solve_by_conjugate_gradient(&mut self, _: Preconditioner, _: u32) {}
 
     fn solve_directly(&mut self) {}
 
     fn remember(&mut self) {
-        let Frame { history, motion, .. } = &mut self.frame;
-        history.remember(&self.backend, &motion.q);
+        self.frame.remember(&self.backend);
     }
 
     fn extrapolate(&mut self, omega: f32) {
-        let Frame { history, motion, .. } = &mut self.frame;
-        history.extrapolate(&self.backend, &mut motion.q, omega);
+        self.frame.extrapolate(&self.backend, omega);
     }
 
     fn moved(&mut self) -> f32 {
@@ -189,18 +239,20 @@ impl<B: Backend + 'static> Stages for Device<B> {
         self.frame.objective(&self.backend)
     }
 
+    fn tolerated_rise(&self) -> f64 {
+        self.frame.tolerated_rise()
+    }
+
     fn residual(&mut self) -> f64 {
         self.frame.residual(&self.backend)
     }
 
     fn save(&mut self) {
-        let Frame { history, motion, .. } = &mut self.frame;
-        history.save(&self.backend, &motion.q);
+        self.frame.save(&self.backend);
     }
 
     fn restore(&mut self) {
-        let Frame { history, motion, .. } = &mut self.frame;
-        history.restore(&self.backend, &mut motion.q);
+        self.frame.restore(&self.backend);
     }
 
     fn wait(&mut self) {

@@ -7,7 +7,7 @@ use crate::SolverError;
 use crate::error::narrow;
 
 /// The color of each constraint, numbered through in the order of [`vivace_model::Constraints`], and how many colors there are.
-pub(super) fn color_constraints(model: &Model) -> Result<(Vec<u32>, u32), SolverError> {
+pub(crate) fn color_constraints(model: &Model) -> Result<(Vec<u32>, u32), SolverError> {
     let incidence = model.constraints().graph_builder(model.n_particles()).incidence()?;
     let n = model.constraints().len();
     let mut members: Vec<Vec<u32>> = vec![Vec::new(); n];

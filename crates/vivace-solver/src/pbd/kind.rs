@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use vivace_kernels::constraint::{BATCH, Constraint, Xpbd};
 use vivace_model::{KindVisitor, Model, Store};
 
+use super::arranged::Arranged;
 use super::coloring::color_constraints;
 use crate::SolverError;
 use crate::history::History;
@@ -78,18 +79,11 @@ impl KindVisitor for Kinds {
     fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(&mut self, store: &Store<C, N>) {
         let of_kind = &self.colors[self.n_seen..self.n_seen + store.len()];
         self.n_seen += store.len();
-        let members = vivace_graph::Csr::group_by(self.n_colors as usize, of_kind);
-        let ends = members.offsets().windows(2).map(|ends| ends[0] as usize..ends[1] as usize).collect();
-        let order = members.items();
-        let mut place = vec![0; order.len()];
-        for (k, &constraint) in (0..).zip(order) {
-            place[constraint as usize] = k;
-        }
-        let pick = |&constraint: &u32| constraint as usize;
+        let Arranged { colors, particles, rest, place } = Arranged::new(store, of_kind, self.n_colors);
         self.kinds.push(Box::new(KindOf::<C, N, R> {
-            colors: ends,
-            particles: order.iter().map(pick).map(|k| store.particles[k]).collect(),
-            rest: order.iter().map(pick).map(|k| store.rest[k]).collect(),
+            colors,
+            particles,
+            rest,
             place,
             lambdas: vec![C::Multiplier::default(); store.len()],
             history: History::new(store.len()),

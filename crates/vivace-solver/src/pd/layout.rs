@@ -42,6 +42,14 @@ impl Layout {
         Self { order, place, classes, n_free }
     }
 
+    /// The model's own order, without classes.
+    pub(crate) fn plain(model: &Model) -> Self {
+        // Particle numbers are 32-bit by construction of the model.
+        let order: Vec<u32> = (0..).take(model.n_particles()).collect();
+        let n_free = order.iter().filter(|&&particle| !model.is_pinned(particle)).count();
+        Self { place: order.clone(), order, classes: Vec::new(), n_free }
+    }
+
     /// The solver's numbers of the particles of a constraint.
     pub(crate) fn places<const N: usize>(&self, particles: [u32; N]) -> [u32; N] {
         particles.map(|particle| self.place[particle as usize])
