@@ -7,7 +7,7 @@ use crate::Preconditioner;
 ///
 /// Positions q are kept inside. `previous` is q an iteration earlier, as Chebyshev's three-term recurrence and two readings of
 /// line 7 need it.
-pub trait Stages {
+pub(crate) trait Stages {
     /// How many colors a sweep has.
     fn n_colors(&self) -> u32;
 

@@ -21,7 +21,7 @@ use kind::{Kind, Kinds};
 
 /// A model prepared for Position Based Dynamics, and the positions while a step is solved.
 #[derive(Debug)]
-pub struct PositionBased {
+pub(crate) struct PositionBased {
     kinds: Vec<Box<dyn Kind>>,
     n_colors: u32,
     n_free: usize,
@@ -40,7 +40,7 @@ impl PositionBased {
     ///
     /// # Errors
     /// More constraints than 32 bits can number.
-    pub fn new(model: &Model) -> Result<Self, SolverError> {
+    pub(crate) fn new(model: &Model) -> Result<Self, SolverError> {
         let (kinds, n_colors) = Kinds::of(model)?;
         let n = model.n_particles();
         let mut counts = vec![0.0; n];
