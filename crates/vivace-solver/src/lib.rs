@@ -1,8 +1,8 @@
 //! Projective Dynamics and Position Based Dynamics, relaxed by colored Gauss-Seidel and by its rivals.
 //!
 //! [`System::step`] is Algorithm 1 of *Vivace* (Fratarcangeli, Tibaldo, Pellacini 2016). What varies is in two independent axes,
-//! [`Framework`] and [`Relaxation`], and in how long it may take, [`Budget`]. A relaxation is a schedule of [`Stages`], written
-//! once; each framework says what the stages do.
+//! [`Framework`] and [`Relaxation`], and in how long it may take, [`Budget`]. A relaxation is a schedule of stages, written once; each
+//! framework says what the stages do.
 
 mod budget;
 #[cfg(feature = "direct")]
@@ -13,8 +13,8 @@ mod error;
 mod history;
 mod host;
 mod parallel;
-pub mod pbd;
-pub mod pd;
+mod pbd;
+mod pd;
 mod relaxation;
 mod report;
 mod safeguard;
@@ -30,7 +30,7 @@ pub use budget::Budget;
 pub use error::SolverError;
 pub use report::{PhaseTimes, StepReport, Stop};
 pub use solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
-pub use stages::Stages;
+use stages::Stages;
 pub use step::Ease;
 pub use system::System;
 pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Wind};

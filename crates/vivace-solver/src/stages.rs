@@ -10,7 +10,7 @@ pub(crate) const TOLERATED_RISE: f64 = 1e-4;
 ///
 /// Positions q are kept inside. `previous` is q an iteration earlier, as Chebyshev's three-term recurrence and two readings of
 /// line 7 need it.
-pub trait Stages {
+pub(crate) trait Stages {
     /// How many colors a sweep has.
     fn n_colors(&self) -> u32;
 

@@ -25,7 +25,7 @@ pub(crate) const TOLERATED_RISE: f64 = 1.0;
 
 /// A model prepared for Position Based Dynamics, and the positions while a step is solved.
 #[derive(Debug)]
-pub struct PositionBased {
+pub(crate) struct PositionBased {
     kinds: Vec<Box<dyn Kind>>,
     n_colors: u32,
     n_free: usize,
@@ -44,7 +44,7 @@ impl PositionBased {
     ///
     /// # Errors
     /// More constraints than 32 bits can number.
-    pub fn new(model: &Model) -> Result<Self, SolverError> {
+    pub(crate) fn new(model: &Model) -> Result<Self, SolverError> {
         let (kinds, n_colors) = Kinds::of(model)?;
         let n = model.n_particles();
         let mut counts = vec![0.0; n];

@@ -13,6 +13,8 @@ mod points;
 pub(crate) mod rows;
 mod slices;
 mod sweep;
+#[cfg(test)]
+mod tests;
 
 use glam::{Vec3, Vec3A};
 use vivace_model::Model;
@@ -31,7 +33,7 @@ use sweep::Vertices;
 
 /// A model prepared for Projective Dynamics, and the positions while a step is solved.
 #[derive(Debug)]
-pub struct ProjectiveDynamics {
+pub(crate) struct ProjectiveDynamics {
     local: LocalStep,
     vertex: VertexSolve,
     layout: Layout,
@@ -117,7 +119,7 @@ impl ProjectiveDynamics {
     ///
     /// # Errors
     /// More constraints than 32 bits can number.
-    pub fn new(
+    pub(crate) fn new(
         model: &Model,
         local: LocalStep,
         vertex: VertexSolve,
@@ -164,12 +166,6 @@ impl ProjectiveDynamics {
             residual: vec![Vec3::ZERO; n_free],
             layout,
         })
-    }
-
-    /// How many entries Y has off its diagonal.
-    #[must_use]
-    pub fn n_entries(&self) -> usize {
-        self.rows.columns.len()
     }
 
     fn vertices(&self) -> Vertices<'_> {
