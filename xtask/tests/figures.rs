@@ -29,7 +29,16 @@ fn tiny() -> Sizes {
 fn options(out: &Path, figures: &[&str], meshes: Option<PathBuf>) -> Options {
     let figures = figures.iter().map(|name| (*name).to_owned()).collect();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    Options { sizes: tiny(), figures, meshes, out: out.to_owned(), seed: 5, n_threads: 2, source }
+    Options {
+        sizes: tiny(),
+        figures,
+        meshes,
+        out: out.to_owned(),
+        seed: 5,
+        n_threads: 2,
+        with_gpu: false,
+        source,
+    }
 }
 
 fn read(out: &Path, name: &str) -> String {
@@ -200,4 +209,40 @@ fn what_cannot_be_made_is_said() {
     assert!(fail(&["11"], None).contains("there are 2, 3, 4, 5, 6, 7, trade, extremes"));
     assert!(fail(&["2"], Some(folder.path().join("none"))).contains("--meshes"));
     assert!(fail(&["2"], Some(folder.path().to_owned())).contains("bunny"));
+}
+
+/// The GPU's curves stand beside the CPU's, with the adapter's name: as many runs, other times, the same colors.
+#[test]
+fn the_gpu_adds_curves_of_its_own() {
+    let adapter = vivace_gpu::Gpu::new().unwrap().adapter().name.clone();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    let options = Options { with_gpu: true, ..options(out, &["2", "3"], None) };
+    figures::reproduce(&options, &mut Progress::silent()).unwrap();
+    let html = read(out, "report.html");
+    assert!(
+        html.contains(&adapter) && html.contains("Vivace (GPU)") && html.contains("--figure 2 --backend gpu")
+    );
+    for (file, n_graphs) in [("fig2.csv", 3), ("fig3.csv", 3 * 2)] {
+        let csv = read(out, file);
+        let mut rows = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let header = rows.next().unwrap();
+        let column = |name: &str| header.iter().position(|&column| column == name).unwrap();
+        let [device, threads] = ["device", "threads"].map(column);
+        let (on_cpu, on_gpu): (Vec<_>, Vec<_>) = rows.partition(|row| row[device] == "cpu");
+        assert!(
+            on_gpu
+                .iter()
+                .all(|row| adapter.starts_with(row[device].trim_matches('"')) && row[threads].is_empty())
+        );
+        let n_seeds = if file == "fig2.csv" { 30 } else { 2 };
+        assert_eq!(on_gpu.len(), n_graphs * 4 * n_seeds, "{file}");
+        let same =
+            ["family", "vertices", "method", "seed", "colors", "rounds", "visits_per_vertex", "stragglers"]
+                .map(column);
+        for row in &on_gpu {
+            let is_twin = |other: &&Vec<&str>| same.iter().all(|&at| other[at] == row[at]);
+            assert_eq!(on_cpu.iter().filter(is_twin).count(), 1, "{file}: {row:?}");
+        }
+    }
 }

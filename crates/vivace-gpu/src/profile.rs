@@ -3,9 +3,12 @@
 use std::collections::BTreeMap;
 
 use crate::GpuError;
+use crate::recorder::N_UNIFORMS;
 
-/// Dispatches that are timed in one submission: two queries each, of which a set has 4096.
-pub(crate) const MOST_TIMED: u32 = 2048;
+/// Dispatches that are timed in one submission, two queries each. There are no more, for each has a uniform at least.
+const MOST_TIMED: u32 = wgpu::QUERY_SET_MAX_QUERIES / 2;
+const _: () =
+    assert!(N_UNIFORMS <= MOST_TIMED as usize, "a submission has more dispatches than can be timed");
 
 /// How long each kernel took on the device.
 ///
@@ -94,11 +97,6 @@ impl Profiler {
         });
         let resolved = timestamps(&device, wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
         Self { device, queries, resolved, recorded: Vec::new(), submitted: Vec::new() }
-    }
-
-    /// Whether another dispatch can be timed before the next submission.
-    pub(crate) fn has_room(&self) -> bool {
-        self.n_recorded() < MOST_TIMED
     }
 
     fn n_recorded(&self) -> u32 {

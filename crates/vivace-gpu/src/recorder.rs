@@ -3,8 +3,8 @@
 use crate::pipeline::{Pipeline, UNIFORM_BYTES};
 use crate::profile::Profiler;
 
-/// Uniforms of one submission; when they are used up, what was recorded is submitted.
-const N_UNIFORMS: usize = 2048;
+/// Uniforms of one submission, of which each dispatch takes one or two; when they are used up, what was recorded is submitted.
+pub(crate) const N_UNIFORMS: usize = 2048;
 
 /// Groups in a row of the grid, as in `run.wgsl`.
 const ROW: u32 = 32_768;
@@ -75,8 +75,7 @@ impl Recorder {
         grid: Grid<'_>,
         bytes: f64,
     ) {
-        let is_full = self.written.len() + 2 * UNIFORM_BYTES > Self::UNIFORMS_SIZE;
-        if is_full || self.profiler.as_ref().is_some_and(|profiler| !profiler.has_room()) {
+        if self.written.len() + 2 * UNIFORM_BYTES > Self::UNIFORMS_SIZE {
             self.submit();
         }
         let offsets = uniforms.map(|uniform| self.write(uniform));

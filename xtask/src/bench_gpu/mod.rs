@@ -1,11 +1,18 @@
-//! The GPU, measured: what a dispatch costs, and every coloring on the graphs of [`vivace_tests::workloads`].
+//! The GPU, measured: what a dispatch costs, what a copy reaches and how long each kernel takes, and every coloring on the graphs of
+//! [`vivace_tests::workloads`].
 //!
 //! `dispatches.csv`: `elements` (length of the list), `room` (the most it could hold), `grids` (who says how large the dispatch
 //! is), `us` (median over runs of a thousand dispatches, per dispatch), `us_min`. `colorings.csv`, a row for each graph, algorithm
 //! and `grids`: `graph`, `vertices`, `edges`, `algorithm`, `grids`, `runs`, `ms` (median; the graph lies on the device, and the
 //! colors stay there), `ms_min`, `ms_with_copies` (median, from the host to the host), `rounds`, `colors`, `dispatches`, `looks`
-//! (how often the host waited to see lengths), `us_per_dispatch`, `bytes` (allocated on the device).
+//! (how often the host waited to see lengths), `us_per_dispatch`, `bytes` (allocated on the device). `copies.csv`: `bytes` of an
+//! array, and the rate at which copies of it read and write, `gb_per_s` (best run) and `gb_per_s_median`. `kernels.csv`, by the
+//! device's own clock, if it has one, while each dispatch has a pass of its own: `work`, `kernel`, `dispatches`, `us_per_dispatch`
+//! (mean), `ms` (all of them), `share_of_time` (of all kernels of the work), `gb_per_s` (the bytes that a profile counts, see
+//! [`vivace_gpu::KernelTime::bytes`], over time), `share_of_copy` (that over the best copy's rate; above 1 where caches help, and
+//! where a list is much shorter than it could be).
 
+mod kernels;
 mod measure;
 
 use std::path::PathBuf;
@@ -39,10 +46,10 @@ pub struct Finished {
     pub page: PathBuf,
     /// The adapter, in words.
     pub adapter: String,
-    /// Cost of a dispatch.
-    pub dispatches: Table,
-    /// Time of each coloring.
-    pub colorings: Table,
+    /// What is to be said about the numbers.
+    pub notes: Vec<String>,
+    /// Cost of a dispatch, rate of a copy, time by kernel, time of each coloring.
+    pub tables: Vec<Table>,
 }
 
 /// Why nothing was measured.
@@ -68,35 +75,58 @@ pub fn adapter(gpu: &Gpu) -> String {
 /// # Errors
 /// No adapter; a device that fails; a coloring that is not proper; what cannot be written.
 pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, BenchError> {
-    let adapter = adapter(&Gpu::new()?);
+    let gpu = Gpu::new()?;
+    let adapter = adapter(&gpu);
     let workloads: Vec<Workload> = Workload::up_to(options.most_vertices)
         .filter(|workload| measure::GRAPHS.contains(&workload.name))
         .collect();
-    progress.figure("bench-gpu", 1 + workloads.len() as u64);
+    progress.figure("bench-gpu", 2 + 2 * workloads.len() as u64);
     progress.step("dispatches");
     let dispatches = measure::dispatches()?;
+    progress.step("copies");
+    let copies = kernels::copies(&gpu)?;
+    let mut by_kernel = kernels::table();
+    for workload in &workloads {
+        progress.step(&format!("kernels on {}", workload.name));
+        kernels::coloring(&gpu, workload, options.seed, copies, &mut by_kernel)?;
+    }
+    gpu.trim();
     let mut colorings = measure::colorings_table();
     for workload in workloads {
         progress.step(workload.name);
         measure::colorings(options, &workload, &mut colorings)?;
     }
-    let caution =
-        "Times of a software adapter are those of a CPU that plays a GPU: they say what works, not how fast.";
+    let tables = [
+        ("dispatches", dispatches),
+        ("copies", copies.table()),
+        ("kernels", by_kernel),
+        ("colorings", colorings),
+    ];
+    let notes = notes(&gpu);
     let mut info = RunInfo::new("Vivace: the GPU measured", &options.command, options.seed, &options.source)
-        .paragraph(&format!("Adapter: {adapter}. {caution}"));
+        .paragraph(&format!("Adapter: {adapter}. {}", notes.join(" ")));
     info.machine.adapters = vec![adapter.clone()];
     let mut figure = Figure::new(
         "gpu",
-        &format!("Colorings on {adapter}"),
+        &format!("Kernels and colorings on {adapter}"),
         &options.command,
-        "Each coloring was checked. Times are of whole colorings: recording, running, and the waits in between.",
-    )
-    .table(dispatches.clone())
-    .table(colorings.clone())
-    .data(Table { name: "dispatches".to_owned(), ..dispatches.clone() })
-    .data(Table { name: "colorings".to_owned(), ..colorings.clone() });
+        "Each coloring was checked. Times of colorings are of whole ones: recording, running, and the waits in between. Times of kernels are the device's own.",
+    );
+    for (file, table) in &tables {
+        figure = figure.table(table.clone()).data(Table { name: (*file).to_owned(), ..table.clone() });
+    }
     figure.seconds = Some(progress.done());
     let mut report = Report::create(&options.out, info).map_err(FigureError::from)?;
     report.add(figure).map_err(FigureError::from)?;
-    Ok(Finished { page: report.finish().map_err(FigureError::from)?, adapter, dispatches, colorings })
+    let page = report.finish().map_err(FigureError::from)?;
+    Ok(Finished { page, adapter, notes, tables: tables.map(|(_, table)| table).into() })
+}
+
+/// What whoever reads the numbers has to know about this device.
+fn notes(gpu: &Gpu) -> Vec<String> {
+    let software =
+        "A CPU plays the GPU here: these times say what works, and are no claim of speed.".to_owned();
+    let clock = "This device has no timestamp queries: kernels were not timed.".to_owned();
+    let notes = [(gpu.is_software(), software), (!gpu.has_timestamps(), clock)];
+    notes.into_iter().filter_map(|(is_so, note)| is_so.then_some(note)).collect()
 }

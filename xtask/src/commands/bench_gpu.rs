@@ -8,7 +8,7 @@ use super::{CommandError, output};
 use crate::bench_gpu::{self, Options};
 use crate::report::Progress;
 
-/// Measure dispatches and colorings on the GPU
+/// Measure dispatches, copies, kernels and colorings on the GPU
 ///
 /// Prints the tables and writes them (CSV, JSON, one page) with adapter, machine,
 /// commit and command. A software adapter is named as such: its times are those of
@@ -42,7 +42,8 @@ pub fn run(args: Args) -> Result<(), CommandError> {
         bench_gpu::run(&options, &mut progress).map_err(|error| CommandError::Failed(error.to_string()))?;
     drop(progress);
     let mut text = format!("{}\n\n", finished.adapter);
-    for table in [&finished.dispatches, &finished.colorings] {
+    finished.notes.iter().for_each(|note| output::field(&mut text, "note", note));
+    for table in &finished.tables {
         let _ = writeln!(text, "{}\n\n{}", table.name, super::bench_coloring::aligned(table));
     }
     let _ = writeln!(text, "{}", finished.page.display());

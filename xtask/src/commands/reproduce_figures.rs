@@ -31,9 +31,21 @@ pub struct Args {
     /// Seed of meshes and colorings
     #[arg(long, default_value_t = 2016, value_name = "S")]
     seed: u64,
+    /// Add the GPU's curves to figures 2 and 3; the adapter is named
+    #[arg(long, value_enum, default_value = "cpu")]
+    backend: Backend,
     /// Threads that color [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
+}
+
+/// What is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Backend {
+    /// The CPU.
+    Cpu,
+    /// The CPU and the GPU.
+    Gpu,
 }
 
 /// Makes the figures and prints where the report is.
@@ -50,6 +62,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
         out: args.out.unwrap_or_else(|| workspace().join("out/figures")),
         seed: args.seed,
         n_threads: n_threads(args.threads),
+        with_gpu: args.backend == Backend::Gpu,
         source: workspace(),
     };
     let mut progress = Progress::new();

@@ -134,7 +134,7 @@ fn run(
 ) -> Result<Vec<Setting>, FigureError> {
     let method = |vivace| Method { algorithm: Algorithm::Vivace(vivace), ..Method::VIVACE };
     let methods: Vec<Method> = wanted.iter().map(|&(vivace, _)| method(vivace)).collect();
-    let measured = measure(context.pool, &model.graph, &methods, effort, context.seed)?;
+    let measured = measure(context.devices(), &model.graph, &methods, effort, context.seed)?;
     let setting = |(measured, &(vivace, is_min_degree))| Setting { vivace, is_min_degree, measured };
     Ok(measured.into_iter().zip(wanted).map(setting).collect())
 }

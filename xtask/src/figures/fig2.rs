@@ -1,20 +1,21 @@
 //! Figure 2: adjacency matrices before and after coloring.
 //!
 //! `fig2.csv`, a row for each run: `family`, `source` (file or generator), `vertices`, `edges`, `max_degree`, `elements`
-//! (triangles or tetrahedra), `method`, `seed`, `threads`, `time_ms` (to complete one coloring), `colors`, `rounds` (empty for
-//! a method without), `visits_per_vertex`, `largest_over_mean` and `smallest_over_mean` (class sizes), `stragglers` (vertices
-//! colored one by one after the bound on rounds), `at_limit` (vertices with the last of the degree + 1 colors they may have).
+//! (triangles or tetrahedra), `method`, `seed`, `threads` (empty on a GPU), `device` (`cpu`, or the adapter's name), `time_ms` (to
+//! complete one coloring), `colors`, `rounds` (empty for a method without), `visits_per_vertex`, `largest_over_mean` and
+//! `smallest_over_mean` (class sizes), `stragglers` (vertices colored one by one after the bound on rounds), `at_limit` (vertices
+//! with the last of the degree + 1 colors they may have).
 
 use super::families::{Family, Model};
-use super::measure::{Effort, Measured, Method, Run, measure};
-use super::{Context, FigureError};
+use super::measure::{Devices, Effort, Measured, Method, Run, measure};
+use super::{Context, FigureError, device};
 use crate::report::{Cell, Figure, PictureGrid, Table, Value, Verdict, spy};
 
 /// Runs of each coloring, as in the paper.
 const RUNS: u32 = 30;
 
 /// Columns of `fig2.csv`, which `fig3.csv` begins with, too.
-pub(super) const COLUMNS: [&str; 17] = [
+pub(super) const COLUMNS: [&str; 18] = [
     "family",
     "source",
     "vertices",
@@ -24,6 +25,7 @@ pub(super) const COLUMNS: [&str; 17] = [
     "method",
     "seed",
     "threads",
+    "device",
     "time_ms",
     "colors",
     "rounds",
@@ -35,7 +37,13 @@ pub(super) const COLUMNS: [&str; 17] = [
 ];
 
 /// A run under [`COLUMNS`].
-pub(super) fn row(family: Family, model: &Model, method: &Method, n_threads: usize, run: &Run) -> Vec<Value> {
+pub(super) fn row(
+    family: Family,
+    model: &Model,
+    method: &Method,
+    devices: Devices<'_>,
+    run: &Run,
+) -> Vec<Value> {
     let in_rounds = method.is_in_rounds();
     vec![
         family.id().into(),
@@ -46,7 +54,8 @@ pub(super) fn row(family: Family, model: &Model, method: &Method, n_threads: usi
         model.n_elements.into(),
         method.algorithm.name().into(),
         in_rounds.then_some(run.seed).map(|seed| seed.to_string()).into(),
-        n_threads.into(),
+        devices.n_threads(method).into(),
+        devices.name(method).into(),
         run.ms.into(),
         run.colors.into(),
         in_rounds.then_some(run.rounds).into(),
@@ -91,14 +100,19 @@ pub fn make(context: &mut Context<'_>, command: &str) -> Result<Figure, FigureEr
         let name = context.families.name(family);
         context.progress.step(&format!("{name}: {RUNS} runs of each coloring"));
         let effort = Effort { most: RUNS, fewest: RUNS, seconds: f64::INFINITY, balance: false };
-        let measured = measure(context.pool, &model.graph, &Method::PAPER, effort, context.seed)?;
+        let devices = Devices { pool: context.pool, gpu: context.gpu };
+        let methods = devices.methods(&Method::PAPER);
+        let measured = measure(devices, &model.graph, &methods, effort, context.seed)?;
+        let (on_cpu, on_gpu) = measured.split_at(Method::PAPER.len());
         context.progress.step(&format!("{name}: pictures"));
         let n = model.graph.n_vertices();
         let mut cells = vec![unordered(model)?];
+        for (idx, m) in on_cpu.iter().enumerate() {
+            cells.push(ordered(model, m, on_gpu.get(idx))?);
+        }
         for m in &measured {
-            cells.push(ordered(model, m)?);
             for run in &m.runs {
-                runs.push(row(family, model, &m.method, context.pool.current_num_threads(), run));
+                runs.push(row(family, model, &m.method, devices, run));
             }
             summary.push(summary_row(name, m));
         }
@@ -107,8 +121,9 @@ pub fn make(context: &mut Context<'_>, command: &str) -> Result<Figure, FigureEr
     }
     let checked = Value::from(runs.rows.len()).shown();
     let caption = format!(
-        "Constraint graphs as adjacency matrices. Leftmost: the order of the mesh. Others: vertices sorted by color, as each algorithm colored them with the first seed. Under each: colors and time to complete on this CPU ({}), over {RUNS} runs.\n\n{}",
+        "Constraint graphs as adjacency matrices. Leftmost: the order of the mesh. Others: vertices sorted by color, as each algorithm colored them with the first seed. Under each: colors and time to complete on this CPU ({}), over {RUNS} runs.\n\n{}\n\n{}",
         context.machine,
+        device::sentence(context.gpu),
         context.families.caption(),
     );
     let mut figure = Figure::new("fig2", "Figure 2: adjacency matrices", command, &caption)
@@ -134,7 +149,8 @@ fn unordered(model: &Model) -> Result<Cell, FigureError> {
     Ok(spy(graph.n_vertices(), nonzeros(model, |v| v as usize), &[], &lines)?)
 }
 
-fn ordered(model: &Model, measured: &Measured) -> Result<Cell, FigureError> {
+/// The matrix as a method sorts it; `on_gpu` is the same method there, whose colors are the same.
+fn ordered(model: &Model, measured: &Measured, on_gpu: Option<&Measured>) -> Result<Cell, FigureError> {
     let partitions = measured.first.partitions();
     let mut place = vec![0; model.graph.n_vertices()];
     for (idx, &v) in partitions.csr().items().iter().enumerate() {
@@ -142,11 +158,14 @@ fn ordered(model: &Model, measured: &Measured) -> Result<Cell, FigureError> {
     }
     let sizes: Vec<usize> = partitions.csr().rows().map(<[u32]>::len).collect();
     let time = |run: &Run| run.ms;
-    let lines = [
+    let mut lines = vec![
         format!("{} colors", colors(measured)),
         format!("mean {} ms", digits(measured.mean(time))),
         format!("median {} ({}) ms", digits(measured.median(time)), quartiles(measured)),
     ];
+    lines.extend(
+        on_gpu.map(|gpu| format!("GPU: median {} ({}) ms", digits(gpu.median(time)), quartiles(gpu))),
+    );
     Ok(spy(model.graph.n_vertices(), nonzeros(model, |v| place[v as usize]), &sizes, &lines)?)
 }
 

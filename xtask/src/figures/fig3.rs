@@ -4,7 +4,7 @@
 //!
 //! - `fig3.csv`, a row for each run: the columns of `fig2.csv`, then `balanced_largest_over_mean`,
 //!   `balanced_smallest_over_mean` (class sizes after the balancing pass) and `balance_ms` (its time).
-//! - `fig3-summary.csv`, a row for each graph and method: `family`, `vertices`, `method`, `runs`, `time_ms` (median),
+//! - `fig3-summary.csv`, a row for each graph and method: `family`, `vertices`, `method`, `device`, `runs`, `time_ms` (median),
 //!   `time_ms_q1`, `time_ms_q3`, `time_over_serial` (over the median of serial first fit), `colors` (median), `colors_min`,
 //!   `colors_max`, `rounds`, `visits_per_vertex`, `largest_over_mean`, `balanced_largest_over_mean` (medians).
 //! - `fig3-graphs.csv`, a row for each graph: `family`, `source`, `vertices`, `edges`, `elements`, `min_degree`, `mean_degree`,
@@ -15,8 +15,8 @@ use super::ablation::{self, Ablation};
 use super::families::{Family, Model};
 use super::fig2;
 use super::fig3_charts;
-use super::measure::{Effort, Measured, Method, Run, measure};
-use super::{Context, FigureError, claims};
+use super::measure::{Devices, Effort, Measured, Method, Run, measure};
+use super::{Context, FigureError, claims, device};
 use crate::report::{Figure, Table, Value};
 
 /// All that was measured on one graph.
@@ -25,7 +25,7 @@ pub struct GraphResult {
     pub family: Family,
     /// The graph.
     pub model: Model,
-    /// One for each of [`Method::ALL`].
+    /// One for each of [`Method::ALL`], and of [`Method::GPU`] if there is one.
     pub measured: Vec<Measured>,
 }
 
@@ -70,7 +70,8 @@ pub fn make(context: &mut Context<'_>, command: &str) -> Result<Figure, FigureEr
             if results.iter().any(known) {
                 continue;
             }
-            let measured = measure(context.pool, &model.graph, &Method::ALL, effort, context.seed)?;
+            let methods = context.devices().methods(&Method::ALL);
+            let measured = measure(context.devices(), &model.graph, &methods, effort, context.seed)?;
             if n == context.sizes.ablation {
                 context
                     .progress
@@ -89,20 +90,21 @@ pub fn make(context: &mut Context<'_>, command: &str) -> Result<Figure, FigureEr
 fn assemble(context: &Context<'_>, command: &str, results: &[GraphResult], ablations: &[Ablation]) -> Figure {
     let families = context.families;
     let caption = format!(
-        "{}\n\nColoring algorithms compared by time to complete (left) and number of colors (right). Whole lines: the paper\u{2019}s algorithms, which work in rounds; dashed: what is best on a CPU. Times are of this CPU ({}); reading and generating meshes is not part of them. All methods took turns, one run each.\n\n{}\n\nRounds and visits are the same on every machine. On a GPU all vertices of a round act at once, so rounds (kernel launches, each with a wait) and visits (work) tell what to expect there; no GPU time is shown, since no GPU was used.",
+        "{}\n\nColoring algorithms compared by time to complete (left) and number of colors (right). Whole lines: the paper\u{2019}s algorithms, which work in rounds; dashed: what is best on a CPU. Times are of this CPU ({}); reading and generating meshes is not part of them. All methods took turns, one run each.\n\n{}\n\nRounds and visits are the same on every machine. On a GPU all vertices of a round act at once, so rounds (kernel launches, each with a wait) and visits (work) tell what to expect there. {}",
         in_short(results, context.pool.current_num_threads()),
         context.machine,
         families.caption(),
+        device::sentence(context.gpu),
     );
     let mut figure = Figure::new("fig3", "Figure 3: coloring time and number of colors", command, &caption)
-        .chart(fig3_charts::time_and_colors(families, results))
+        .chart(fig3_charts::time_and_colors(families, results, context.gpu))
         .chart(fig3_charts::rounds_and_visits(families, results))
         .chart(fig3_charts::balance(families, results))
         .chart(ablation::chart(families, ablations))
         .table(largest(context, results))
         .table(ablation::table(families, ablations))
         .data(runs(context, results))
-        .data(summary(results))
+        .data(summary(context.devices(), results))
         .data(graphs(results))
         .data(ablation::data(ablations))
         .option("seeds, at most", context.sizes.seeds)
@@ -182,11 +184,10 @@ fn runs(context: &Context<'_>, results: &[GraphResult]) -> Table {
     let mut columns = fig2::COLUMNS.to_vec();
     columns.extend(["balanced_largest_over_mean", "balanced_smallest_over_mean", "balance_ms"]);
     let mut table = Table::new("", &columns);
-    let n_threads = context.pool.current_num_threads();
     for result in results {
         for m in &result.measured {
             for run in &m.runs {
-                let mut row = fig2::row(result.family, &result.model, &m.method, n_threads, run);
+                let mut row = fig2::row(result.family, &result.model, &m.method, context.devices(), run);
                 row.push(run.balanced.map(|shares| shares.largest).into());
                 row.push(run.balanced.map(|shares| shares.smallest).into());
                 row.push(run.balance_ms.into());
@@ -197,13 +198,14 @@ fn runs(context: &Context<'_>, results: &[GraphResult]) -> Table {
     table
 }
 
-fn summary(results: &[GraphResult]) -> Table {
+fn summary(devices: Devices<'_>, results: &[GraphResult]) -> Table {
     let mut table = Table::new(
         "summary",
         &[
             "family",
             "vertices",
             "method",
+            "device",
             "runs",
             "time_ms",
             "time_ms_q1",
@@ -226,6 +228,7 @@ fn summary(results: &[GraphResult]) -> Table {
                 result.family.id().into(),
                 result.model.graph.n_vertices().into(),
                 m.method.algorithm.name().into(),
+                devices.name(&m.method).into(),
                 m.runs.len().into(),
                 m.median(time).into(),
                 m.quantile(0.25, time).into(),

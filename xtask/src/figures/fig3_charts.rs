@@ -1,21 +1,29 @@
 //! The charts of figure 3.
 
+use vivace_gpu::Gpu;
+
 use super::families::{Families, Family};
 use super::fig3::{GraphResult, balanced};
 use super::measure::{Measured, Method, Run};
 use crate::report::{Axis, Chart, Look, Panel, Series};
 
 /// As the paper shows it: a row for each family.
-pub(super) fn time_and_colors(families: &Families, results: &[GraphResult]) -> Chart {
+pub(super) fn time_and_colors(families: &Families, results: &[GraphResult], gpu: Option<&Gpu>) -> Chart {
+    let on_gpu: &[Method] = if gpu.is_some() { &Method::GPU } else { &[] };
+    let timed = [&Method::ALL, on_gpu].concat();
     let mut chart = Chart::new("Time to complete and number of colors against size", 2);
     for family in Family::ALL {
         let name = families.name(family);
         let colors = Axis::linear("Number of colors").whole();
         chart = chart
-            .panel(panel(name, family, Axis::log("Time").unit("ms"), results, &Method::ALL, |run| run.ms))
+            .panel(panel(name, family, Axis::log("Time").unit("ms"), results, &timed, |run| run.ms))
             .panel(apart(panel(name, family, colors, results, &Method::ALL, |run| f64::from(run.colors))));
     }
-    chart.note("Curves of the right column are moved a little to the left or right, so that equal numbers of colors stay visible.").note("Whole lines work in rounds (on a GPU all vertices of a round act at once); dashed lines are for a CPU. Times: this CPU.")
+    let times = gpu.map_or_else(
+        || "Times: this CPU.".to_owned(),
+        |gpu| format!("Dotted lines: {}. Other times: this CPU.", crate::bench_gpu::adapter(gpu)),
+    );
+    chart.note("Curves of the right column are moved a little to the left or right, so that equal numbers of colors stay visible.").note(&format!("Whole lines work in rounds (on a GPU all vertices of a round act at once); dashed lines are for a CPU. {times}"))
 }
 
 /// What is the same on every machine.

@@ -3,10 +3,12 @@
 use std::time::Instant;
 
 use rayon::ThreadPool;
-use vivace_coloring::{Algorithm, Certificate, Coloring, Order, Vivace, balance};
+use vivace_coloring::{Algorithm, Certificate, Coloring, Order, Outcome, Vivace, balance};
+use vivace_gpu::Gpu;
 use vivace_graph::ConstraintGraph;
 
 use super::FigureError;
+use super::device::OnGpu;
 use crate::report::{Look, quantile};
 
 /// An algorithm as figures show it.
@@ -16,13 +18,19 @@ pub struct Method {
     pub name: &'static str,
     /// The algorithm; its seed is set for each run.
     pub algorithm: Algorithm,
-    /// Color, marker and dash of its curves: whole lines work in rounds, dashed ones are the CPU's own.
+    /// Color, marker and dash of its curves: whole lines work in rounds, dotted ones do so on the GPU, dashed ones are the CPU's own.
     pub look: Look,
+    /// Whether it runs on the GPU.
+    pub is_on_gpu: bool,
 }
 
 impl Method {
     const fn new(name: &'static str, algorithm: Algorithm, color: usize, marker: usize, dash: usize) -> Self {
-        Self { name, algorithm, look: Look { color, marker, dash } }
+        Self { name, algorithm, look: Look { color, marker, dash }, is_on_gpu: false }
+    }
+
+    const fn on_gpu(self, name: &'static str) -> Self {
+        Self { name, look: Look { dash: 1, ..self.look }, is_on_gpu: true, ..self }
     }
 
     /// Luby (1985).
@@ -42,13 +50,48 @@ impl Method {
 
     /// The paper's columns of figure 2.
     pub const PAPER: [Self; 4] = [Self::LUBY, Self::JONES_PLASSMANN, Self::LDF, Self::VIVACE];
-    /// Those, and what is best on a CPU.
+    /// The same on the GPU.
+    pub const GPU: [Self; 4] = [
+        Self::LUBY.on_gpu("Luby (GPU)"),
+        Self::JONES_PLASSMANN.on_gpu("Jones\u{2013}Plassmann (GPU)"),
+        Self::LDF.on_gpu("LDF (GPU)"),
+        Self::VIVACE.on_gpu("Vivace (GPU)"),
+    ];
+    /// The paper's, and what is best on a CPU.
     pub const ALL: [Self; 6] =
         [Self::LUBY, Self::JONES_PLASSMANN, Self::LDF, Self::VIVACE, Self::BLOCKED, Self::SERIAL];
 
     /// Whether rounds and visits mean anything.
     pub fn is_in_rounds(&self) -> bool {
         self.algorithm.is_seeded()
+    }
+}
+
+/// What runs the colorings.
+#[derive(Clone, Copy)]
+pub struct Devices<'a> {
+    /// The CPU's threads.
+    pub pool: &'a ThreadPool,
+    /// The GPU, if curves of it are wanted.
+    pub gpu: Option<&'a Gpu>,
+}
+
+impl Devices<'_> {
+    /// The methods of the CPU, and those of the GPU if there is one.
+    pub fn methods(&self, cpu: &[Method]) -> Vec<Method> {
+        let gpu: &[Method] = if self.gpu.is_some() { &Method::GPU } else { &[] };
+        [cpu, gpu].concat()
+    }
+
+    /// Threads that a method runs on; none on the GPU.
+    pub fn n_threads(&self, method: &Method) -> Option<usize> {
+        (!method.is_on_gpu).then(|| self.pool.current_num_threads())
+    }
+
+    /// Where a method runs: `cpu`, or the adapter's name.
+    pub fn name(&self, method: &Method) -> &str {
+        let gpu = self.gpu.filter(|_| method.is_on_gpu);
+        gpu.map_or("cpu", |gpu| gpu.adapter().name.as_str())
     }
 }
 
@@ -147,18 +190,27 @@ impl Measured {
 /// Runs every method once to warm up, then all of them in turn, as often as `effort` says.
 ///
 /// # Errors
-/// [`FigureError::Coloring`] if a coloring is not proper: a mistake of ours, which no figure may hide.
+/// [`FigureError::Coloring`] if a coloring is not proper: a mistake of ours, which no figure may hide. What the GPU runs into.
 pub fn measure(
-    pool: &ThreadPool,
+    devices: Devices<'_>,
     graph: &ConstraintGraph,
     methods: &[Method],
     effort: Effort,
     seed: u64,
 ) -> Result<Vec<Measured>, FigureError> {
     let started = Instant::now();
+    let on_gpu = devices.gpu.map(|gpu| OnGpu::new(gpu, graph));
+    let run = |method: &Method, seed| {
+        let algorithm = method.algorithm.with_seed(seed);
+        let (outcome, ms) = match &on_gpu {
+            Some(on_gpu) if method.is_on_gpu => on_gpu.color(algorithm)?,
+            _ => timed(devices.pool, || algorithm.color(graph)),
+        };
+        checked(devices.pool, graph, method, seed, outcome, ms, effort.balance)
+    };
     let mut measured = Vec::new();
     for method in methods {
-        let (_, first) = run(pool, graph, method, seed, effort.balance)?;
+        let (_, first) = run(method, seed)?;
         measured.push(Measured { method: *method, runs: Vec::new(), first });
     }
     let round = started.elapsed().as_secs_f64();
@@ -168,21 +220,22 @@ pub fn measure(
             break;
         }
         for Measured { method, runs, .. } in &mut measured {
-            runs.push(run(pool, graph, method, seed + u64::from(idx), effort.balance)?.0);
+            runs.push(run(method, seed + u64::from(idx))?.0);
         }
     }
     Ok(measured)
 }
 
-fn run(
+/// What is to be known of a coloring that took `ms`.
+fn checked(
     pool: &ThreadPool,
     graph: &ConstraintGraph,
     method: &Method,
     seed: u64,
+    outcome: Outcome,
+    ms: f64,
     with_balance: bool,
 ) -> Result<(Run, Coloring), FigureError> {
-    let algorithm = method.algorithm.with_seed(seed);
-    let (outcome, ms) = timed(pool, || algorithm.color(graph));
     let check = |coloring: &Coloring| match Certificate::check(graph, coloring.colors()) {
         Ok(_) => Ok(()),
         Err(violation) => Err(FigureError::Coloring { method: method.name.to_owned(), violation }),
@@ -231,7 +284,7 @@ mod tests {
         let graph = ConstraintGraph::from_edges(4, &[[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]]).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         let effort = Effort { most: 3, fewest: 2, seconds: 0.0, balance: true };
-        let measured = measure(&pool, &graph, &Method::ALL, effort, 7).unwrap();
+        let measured = measure(Devices { pool: &pool, gpu: None }, &graph, &Method::ALL, effort, 7).unwrap();
         assert_eq!(measured.len(), Method::ALL.len());
         for m in &measured {
             assert_eq!(m.samples(|run| run.seed as f64), [7.0, 8.0], "{}", m.method.name);

@@ -2,6 +2,7 @@
 
 pub mod ablation;
 pub mod claims;
+mod device;
 pub mod families;
 pub mod fig2;
 pub mod fig3;
@@ -14,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::ThreadPool;
 use vivace_coloring::Violation;
+use vivace_gpu::{Gpu, GpuError};
 use vivace_graph::GraphError;
 use vivace_mesh::MeshError;
 use vivace_model::ModelError;
@@ -47,6 +49,9 @@ pub enum FigureError {
     /// A step could not be made.
     #[error(transparent)]
     Solver(#[from] SolverError),
+    /// The GPU.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
     /// A coloring is wrong.
     #[error(
         "{method} colored a graph wrongly: {violation}; please report this, with the command and the seed"
@@ -176,6 +181,8 @@ pub struct Options {
     pub seed: u64,
     /// Threads for the colorings.
     pub n_threads: usize,
+    /// Whether to add the GPU's curves.
+    pub with_gpu: bool,
     /// Folder of the source, for the commit.
     pub source: PathBuf,
 }
@@ -186,6 +193,8 @@ pub struct Context<'a> {
     pub families: &'a Families,
     /// The threads that color.
     pub pool: &'a ThreadPool,
+    /// The GPU whose curves are added.
+    pub gpu: Option<&'a Gpu>,
     /// Sizes and numbers of runs.
     pub sizes: &'a Sizes,
     /// Seed of meshes and colorings.
@@ -194,6 +203,13 @@ pub struct Context<'a> {
     pub progress: &'a mut Progress,
     /// What the machine is called in verdicts.
     pub machine: String,
+}
+
+impl Context<'_> {
+    /// What runs the colorings.
+    fn devices(&self) -> measure::Devices<'_> {
+        measure::Devices { pool: self.pool, gpu: self.gpu }
+    }
 }
 
 type Make = fn(&mut Context<'_>, &str) -> Result<Figure, FigureError>;
@@ -233,6 +249,9 @@ impl Options {
         if let Some(meshes) = &self.meshes {
             push(&format!("--meshes {}", quoted(meshes)));
         }
+        if self.with_gpu {
+            push("--backend gpu");
+        }
         push(&format!("--seed {} --threads {}", self.seed, self.n_threads));
         command
     }
@@ -257,6 +276,7 @@ pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, 
     let n_threads = options.n_threads;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build();
     let pool = pool.map_err(|error| FigureError::Threads { n_threads, reason: error.to_string() })?;
+    let gpu = options.with_gpu.then(Gpu::new).transpose()?;
     let families = match &options.meshes {
         None => Families::stand_ins(options.seed)?,
         Some(folder) => {
@@ -266,22 +286,25 @@ pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, 
             families?
         }
     };
-    let info = RunInfo::new(
+    let mut info = RunInfo::new(
         "Vivace: the paper\u{2019}s figures, measured anew",
         &options.command(None),
         options.seed,
         &options.source,
     );
     let machine = format!("{}, {n_threads} threads", info.machine.cpu);
+    info.machine.adapters.extend(gpu.as_ref().map(crate::bench_gpu::adapter));
     let info = info
         .paragraph("Figures 2 to 7 of \u{201c}Vivace: a practical Gauss-Seidel method for stable soft body dynamics\u{201d} (Fratarcangeli, Tibaldo, Pellacini, SIGGRAPH Asia 2016), from our own colorings and simulations; then error against time of every solver, and what each survives. The paper prints no numbers with these figures: ours are new measurements, and each sentence of the paper that claims a result stands beside what was found.")
         .paragraph("Times are of this machine\u{2019}s CPU. The paper\u{2019}s are of a GPU, where all vertices act at once: for that, look at rounds and visits, which are the same on every machine.")
+        .paragraph(&device::sentence(gpu.as_ref()))
         .option("Threads that color", n_threads)
         .option("Sizes", if options.sizes.flag.is_empty() { "default" } else { options.sizes.flag });
     let mut report = Report::create(&options.out, info)?;
     let mut context = Context {
         families: &families,
         pool: &pool,
+        gpu: gpu.as_ref(),
         sizes: &options.sizes,
         seed: options.seed,
         progress,
