@@ -1,7 +1,6 @@
 //! What detection refuses.
 
 use glam::Vec3;
-use vivace_mesh::MeshError;
 
 /// Why a detector or an obstacle cannot be made, or a frame cannot be looked at. Nothing was changed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -80,7 +79,10 @@ pub enum CollisionError {
         /// Bytes allowed.
         limit: u64,
     },
-    /// The solid cannot be sampled.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
+    /// A solid that cannot be sampled.
+    #[error("the solid cannot be sampled: {fault}")]
+    Field {
+        /// What is wrong.
+        fault: &'static str,
+    },
 }

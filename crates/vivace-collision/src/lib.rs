@@ -5,11 +5,21 @@
 //! [`Detector::limit`] looks at the way to where they were solved, and shortens it where something would pass through. Lengths
 //! are in metres. Nothing here knows masses, constraints or solvers.
 
+mod boxes;
+mod broad;
 mod contact;
 mod detector;
 mod error;
 mod field;
+mod grid;
+mod limit;
+mod motion;
+mod narrow;
 mod obstacle;
+mod outside;
+mod parallel;
+mod proximity;
+mod surface;
 
 pub use contact::{Contact, Report, Times};
 pub use detector::{Detector, Options};
