@@ -2,6 +2,9 @@
 
 use glam::Vec3;
 
+/// Of a coordinate, more than its roundings add up to.
+pub(crate) const ROUNDING: f32 = 4.0 * f32::EPSILON;
+
 /// An axis-aligned box \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Aabb {
@@ -14,11 +17,9 @@ impl Aabb {
 
     /// Around the way from `a` to `b`, `margin` \[m\] wider on each side; never narrower for rounding.
     pub(crate) fn around(a: Vec3, b: Vec3, margin: f32) -> Self {
-        let margin = Vec3::splat(margin);
-        Self {
-            min: (a.min(b) - margin).map(|x| x.next_down().next_down()),
-            max: (a.max(b) + margin).map(|x| x.next_up().next_up()),
-        }
+        let wider = |v: Vec3| Vec3::splat(margin) + ROUNDING * v.abs();
+        let (min, max) = (a.min(b), a.max(b));
+        Self { min: min - wider(min), max: max + wider(max) }
     }
 
     pub(crate) fn union(self, other: Self) -> Self {

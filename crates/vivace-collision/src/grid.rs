@@ -7,12 +7,10 @@
 //! of a thousand metres among small ones does not coarsen their cells.
 
 use glam::Vec3;
-use wide::f32x8;
+use wide::f32x4;
 
-use crate::boxes::Aabb;
+use crate::boxes::{Aabb, ROUNDING};
 
-/// Boxes tested at a time.
-const LANES: usize = 8;
 /// Each level's cells are twice as large as those of the one before; the last takes all that is larger, in one cell.
 const N_LEVELS: usize = 16;
 /// Boxes that are looked at to choose the size of cells.
@@ -26,8 +24,8 @@ pub(crate) struct Grid {
     starts: Vec<u32>,
     /// The numbers of the boxes, cell by cell.
     order: Vec<u32>,
-    /// Least x, y, z, then greatest x, y, z, in this order, and some that nothing meets.
-    bounds: [Vec<f32>; 6],
+    /// The boxes, in this order.
+    bounds: Vec<[f32x4; 2]>,
     cells: Vec<u32>,
     levels_of: Vec<u8>,
     samples: Vec<f32>,
@@ -38,6 +36,7 @@ pub(crate) struct Grid {
 struct Level {
     /// Edge of a cell \[m\].
     size: f32,
+    inverse: f32,
     /// Cells along each axis of the table, less one: the axes have powers of two.
     mask: [usize; 3],
     /// Its first cell among all levels'.
@@ -49,13 +48,17 @@ struct Level {
 impl Level {
     #[expect(clippy::cast_possible_truncation, reason = "cells beyond 32 bits saturate, in order")]
     fn cell(&self, point: Vec3) -> [i32; 3] {
-        (point / self.size).floor().to_array().map(|x| x as i32)
+        let floor = |x: f32| {
+            let toward_zero = x as i32;
+            toward_zero.saturating_sub(i32::from(x < toward_zero as f32))
+        };
+        let scaled = point * self.inverse;
+        [floor(scaled.x), floor(scaled.y), floor(scaled.z)]
     }
 
     fn index(&self, cell: [i32; 3]) -> usize {
-        let [x, y, z] = [0, 1, 2].map(|k| wrapped(cell[k], self.mask[k]));
-        let [nx, ny] = [self.mask[0] + 1, self.mask[1] + 1];
-        self.first + (z * ny + y) * nx + x
+        let at = |k: usize| wrapped(cell[k], self.mask[k]);
+        self.first + (at(2) * (self.mask[1] + 1) + at(1)) * (self.mask[0] + 1) + at(0)
     }
 
     /// First cell and number of cells of the table along one axis in which centers between `low` and `high` lie.
@@ -107,11 +110,12 @@ impl Grid {
         self.samples.clear();
         let stride = boxes.len().div_ceil(N_SAMPLES).max(1);
         self.samples.extend(boxes.iter().step_by(stride).map(|b| b.extent()));
+        // Almost all boxes on one level: each further one costs every search as much as the first.
         let smallest = if self.samples.is_empty() {
             1.0
         } else {
-            let rank = self.samples.len() * 3 / 4;
-            *self.samples.select_nth_unstable_by(rank, f32::total_cmp).1
+            let rank = self.samples.len() * 97 / 100;
+            1.3 * *self.samples.select_nth_unstable_by(rank, f32::total_cmp).1
         }
         .max(f32::MIN_POSITIVE);
 
@@ -136,7 +140,7 @@ impl Grid {
             let last = level == N_LEVELS - 1;
             let size = if last { f32::INFINITY } else { size(level) };
             let mask = if last { [0; 3] } else { masks(centers[level], size, counts[level]) };
-            self.levels.push(Level { size, mask, first, end });
+            self.levels.push(Level { size, inverse: size.recip(), mask, first, end });
             first += table(&self.levels[self.levels.len() - 1]);
         }
         for level in &mut self.levels_of {
@@ -147,13 +151,8 @@ impl Grid {
     }
 
     fn copy_bounds(&mut self, boxes: &[Aabb]) {
-        let n_padded = boxes.len() + LANES;
-        for (axis, bounds) in self.bounds.iter_mut().enumerate() {
-            bounds.clear();
-            let of = |b: &Aabb| if axis < 3 { b.min[axis] } else { b.max[axis - 3] };
-            bounds.extend(self.order.iter().map(|&idx| of(&boxes[idx as usize])));
-            bounds.resize(n_padded, f32::NAN);
-        }
+        self.bounds.clear();
+        self.bounds.extend(self.order.iter().map(|&idx| lanes(boxes[idx as usize])));
     }
 
     /// How many boxes there are.
@@ -169,26 +168,33 @@ impl Grid {
     /// Calls `found` with each box that meets the one at `place` of the grid's order and comes later in it, so with each pair
     /// once if all places are asked.
     pub(crate) fn later_ones(&self, place: usize, mut found: impl FnMut(u32, u32)) {
-        let [x, y, z, x1, y1, z1] = [0, 1, 2, 3, 4, 5].map(|k| self.bounds[k][place]);
-        let query = Aabb { min: Vec3::new(x, y, z), max: Vec3::new(x1, y1, z1) };
+        let [min, max] = self.bounds[place].map(|side| Vec3::from_slice(side.as_array()));
+        let query = Aabb { min, max };
         let own = self.levels.partition_point(|level| level.end <= place);
         let this = self.order[place];
         self.search(query, own, place + 1, &mut |other| found(this, self.order[other]));
     }
 
     fn search(&self, query: Aabb, first_level: usize, after: usize, found: &mut impl FnMut(usize)) {
-        let query8 = [query.max, query.min].map(|v| v.to_array().map(f32x8::splat));
+        let [min, max] = lanes(query);
         for level in &self.levels[first_level..] {
             let [low, high] = self.cells_around(level, query);
-            let [(x, nx), (y, ny), (z, nz)] = [0, 1, 2].map(|k| level.span(low[k], high[k], k));
-            let [width, height, depth] = level.mask.map(|mask| mask + 1);
+            let span = |k: usize| level.span(low[k], high[k], k);
+            let [(x, nx), (y, ny), (z, nz)] = [span(0), span(1), span(2)];
+            let [width, height, depth] = [level.mask[0] + 1, level.mask[1] + 1, level.mask[2] + 1];
             for k in 0..nz {
                 for j in 0..ny {
                     let row = ((z + k) & (depth - 1)) * height + ((y + j) & (height - 1));
                     let row = level.first + row * width;
                     let mut run = |from: usize, to: usize| {
                         let start = (self.starts[row + from] as usize).max(after);
-                        self.scan(start, self.starts[row + to] as usize, &query8, found);
+                        let end = self.starts[row + to] as usize;
+                        let Some(boxes) = self.bounds.get(start..end) else { return };
+                        for (k, [least, greatest]) in boxes.iter().enumerate() {
+                            if (least.simd_le(max) & min.simd_le(*greatest)).all() {
+                                found(start + k);
+                            }
+                        }
                     };
                     run(x, (x + nx).min(width));
                     if x + nx > width {
@@ -204,34 +210,17 @@ impl Grid {
         if level.size.is_infinite() {
             return [[0; 3]; 2];
         }
-        // Half a cell, and what rounding may add.
-        let wider = Aabb::around(query.min, query.max, 0.501 * level.size);
-        [level.cell(wider.min), level.cell(wider.max)]
+        // Half a cell, and what rounding may take.
+        let half = Vec3::splat(0.501 * level.size);
+        let low = query.min - (half + ROUNDING * query.min.abs());
+        let high = query.max + (half + ROUNDING * query.max.abs());
+        [level.cell(low), level.cell(high)]
     }
+}
 
-    fn scan(&self, start: usize, end: usize, query: &[[f32x8; 3]; 2], found: &mut impl FnMut(usize)) {
-        let at = |k: usize, place: usize| {
-            let lanes = self.bounds[k][place..].first_chunk::<LANES>();
-            f32x8::new(*lanes.expect("padded"))
-        };
-        let [max, min] = query;
-        let mut place = start;
-        while place < end {
-            let below =
-                at(0, place).simd_le(max[0]) & at(1, place).simd_le(max[1]) & at(2, place).simd_le(max[2]);
-            let above =
-                at(3, place).simd_ge(min[0]) & at(4, place).simd_ge(min[1]) & at(5, place).simd_ge(min[2]);
-            let mut bits = (below & above).to_bitmask();
-            if end - place < LANES {
-                bits &= (1 << (end - place)) - 1;
-            }
-            while bits != 0 {
-                found(place + bits.trailing_zeros() as usize);
-                bits &= bits - 1;
-            }
-            place += LANES;
-        }
-    }
+/// A box as it is compared: the fourth lane always meets.
+fn lanes(b: Aabb) -> [f32x4; 2] {
+    [b.min, b.max].map(|v| f32x4::new([v.x, v.y, v.z, 0.0]))
 }
 
 /// How many cells the table of a level has.
@@ -239,13 +228,13 @@ fn table(level: &Level) -> usize {
     level.mask.iter().map(|mask| mask + 1).product()
 }
 
-/// The shape of a table for `n` boxes whose centers lie in `centers`: as the box is, but with at most about four cells a box.
+/// The shape of a table for `n` boxes whose centers lie in `centers`: as the box is, but with at most about two cells a box.
 fn masks(centers: Aabb, size: f32, n: usize) -> [usize; 3] {
     let extent = (centers.max - centers.min) / size;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
     let mut bits =
         extent.to_array().map(|x| (x as u32).saturating_add(2).min(1 << 30).next_power_of_two().ilog2());
-    let limit = (4 * n).next_power_of_two().ilog2();
+    let limit = n.next_power_of_two().ilog2();
     while bits.iter().sum::<u32>() > limit {
         let longest = (0..3).max_by_key(|&k| bits[k]).unwrap_or(0);
         bits[longest] -= 1;

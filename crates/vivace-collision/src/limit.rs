@@ -142,14 +142,15 @@ fn distance_to_segment(point: Vec3, a: Vec3, b: Vec3) -> f32 {
 
 /// When a pair comes nearer than the gap \[m\].
 fn hit(pair: Pair, ids: [u32; 4], from: &[Vec3], to: &[Vec3], gap: f64, less: f64) -> Option<f32> {
-    let motion = Motion::new(pair, points(from, ids), points(to, ids));
-    if motion.speed == 0.0 || pair.at_least(&motion.start) > gap + motion.speed {
+    let (start, end) = (points(from, ids), points(to, ids));
+    if pair.is_clear(&start, &end, gap) {
         return None;
     }
-    let start = pair.nearest(&motion.start).distance();
-    let gap = less * gap.min(GAP_OF_START * start);
+    let apart = pair.nearest(&start).distance();
+    let motion = Motion::new(pair, start, end);
+    let gap = less * gap.min(GAP_OF_START * apart);
     // What touches at the start has no side to be kept on.
-    if start <= 0.0 || start > gap + motion.speed {
+    if apart <= 0.0 || apart > gap + motion.speed || motion.speed == 0.0 {
         return None;
     }
     #[expect(clippy::cast_possible_truncation, reason = "rounded; the next round looks where that leads")]

@@ -8,7 +8,7 @@ use crate::proximity::{Nearest, Pair};
 /// Four points \[m\], and how far they go, linearly, from time 0 to 1 \[m\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Motion {
-    pub(crate) start: [DVec3; 4],
+    start: [DVec3; 4],
     way: [DVec3; 4],
     /// What the distance may change in a unit of time, at most \[m\].
     pub(crate) speed: f64,
@@ -100,6 +100,7 @@ mod tests {
                 }
                 None => prop_assert!(sampled.is_none(), "{sampled:?}"),
             }
+            prop_assert!(sampled.is_none() || !pair.is_clear(&start, &end, 0.9 * reach));
         }
 
         #[test]

@@ -30,11 +30,12 @@ impl Frame<'_> {
     /// The contact of a pair if it comes near enough; its direction is from the time before it does, so from the side of the start.
     pub(crate) fn contact(&self, pair: Pair, ids: [u32; 4], options: &Options) -> Option<Contact> {
         let (thickness, margin) = (f64::from(options.thickness), f64::from(options.margin));
-        let motion = Motion::new(pair, points(self.from, ids), points(self.to, ids));
-        if pair.at_least(&motion.start) > thickness + margin + motion.speed {
+        let mut reach = thickness + margin;
+        let (start, end) = (points(self.from, ids), points(self.to, ids));
+        if pair.is_clear(&start, &end, reach) {
             return None;
         }
-        let mut reach = thickness + margin;
+        let motion = Motion::new(pair, start, end);
         let mut met = motion.first_within(pair, reach, 0.0)?;
 
         let at_rest = pair.nearest(&points(self.rest, ids)).distance();

@@ -48,18 +48,22 @@ impl Pair {
         }
     }
 
-    /// A lower bound of the distance: that between the planes across the line of the centers which touch the primitives.
-    pub(crate) fn at_least(self, x: &[DVec3; 4]) -> f64 {
-        let split = self.first_side();
-        let (one, other) = x.split_at(split);
+    /// Whether two primitives stay more than `reach` apart on their straight ways from `start` to `end`, told by one axis, that
+    /// from center to center: along it, the gap between them is a concave function of time, so its ends are enough.
+    pub(crate) fn is_clear(self, start: &[DVec3; 4], end: &[DVec3; 4], reach: f64) -> bool {
         let axis = match self {
-            Self::PointTriangle => 3.0 * x[0] - (x[1] + x[2] + x[3]),
-            Self::EdgeEdge => x[0] + x[1] - (x[2] + x[3]),
+            Self::PointTriangle => 3.0 * start[0] - (start[1] + start[2] + start[3]),
+            Self::EdgeEdge => start[0] + start[1] - (start[2] + start[3]),
         };
-        let low = one.iter().map(|p| axis.dot(*p - x[0])).fold(f64::INFINITY, f64::min);
-        let high = other.iter().map(|p| axis.dot(*p - x[0])).fold(f64::NEG_INFINITY, f64::max);
-        let length = axis.length();
-        if length > 0.0 { (low - high) / length } else { 0.0 }
+        let least = reach * axis.length();
+        let gap = |x: &[DVec3; 4]| {
+            let [a, b, c] = [1, 2, 3].map(|k| axis.dot(x[k] - x[0]));
+            match self {
+                Self::PointTriangle => -a.max(b).max(c),
+                Self::EdgeEdge => a.min(0.0) - b.max(c),
+            }
+        };
+        gap(start) > least && gap(end) > least
     }
 }
 
@@ -133,7 +137,7 @@ mod tests {
         let x = x.map(DVec3::from);
         let nearest = pair.nearest(&x);
         assert!((nearest.distance() - distance).abs() < 1e-12, "{pair:?} {x:?}: {nearest:?}");
-        assert!(pair.at_least(&x) <= distance + 1e-12, "{pair:?} {x:?}");
+        assert!(!pair.is_clear(&x, &x, distance), "{pair:?} {x:?}");
         let sum: f64 = nearest.weights.iter().sum();
         assert!(sum.abs() < 1e-12);
     }
@@ -195,14 +199,14 @@ mod tests {
                 let ours = Pair::PointTriangle.nearest(&x);
                 let theirs = Triangle::new(p[1], p[2], p[3]).distance_to_local_point(p[0], false);
                 prop_assert!((ours.distance() - f64::from(theirs.abs())).abs() < 1e-4, "{ours:?} {theirs}");
-                prop_assert!(Pair::PointTriangle.at_least(&x) <= ours.distance() + 1e-12);
+                prop_assert!(!Pair::PointTriangle.is_clear(&x, &x, ours.distance() + 1e-12));
 
                 let ours = Pair::EdgeEdge.nearest(&x);
                 let (one, other) = (Segment::new(p[0], p[1]), Segment::new(p[2], p[3]));
                 let identity = parry3d::math::Pose::IDENTITY;
                 let theirs = parry3d::query::distance(&identity, &one, &identity, &other).unwrap();
                 prop_assert!((ours.distance() - f64::from(theirs.distance)).abs() < 1e-4, "{ours:?} {theirs:?}");
-                prop_assert!(Pair::EdgeEdge.at_least(&x) <= ours.distance() + 1e-12);
+                prop_assert!(!Pair::EdgeEdge.is_clear(&x, &x, ours.distance() + 1e-12));
             }
 
             /// Nothing on a fine raster of both primitives is nearer, however flat or parallel they are.

@@ -201,7 +201,7 @@ fn a_field_is_met_as_its_solid_is() {
         for (one, other) in exact.iter().zip(&sampled) {
             assert_eq!(one.particles, other.particles);
             let (turn, aside) = (one.normal.distance(other.normal), one.origin.distance(other.origin));
-            assert!(turn < 0.1 && aside < 1e-2, "{one:?} {other:?}");
+            assert!(turn < 0.15 && aside < 0.02, "{one:?} {other:?}");
         }
     }
 }

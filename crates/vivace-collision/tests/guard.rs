@@ -22,13 +22,13 @@ fn two_sheets(size: usize, random: &mut Random) -> (Vec<Vec3>, Triangles) {
     joined(&[(lower, triangles.clone()), (upper, triangles)])
 }
 
-/// 1080 frames of two sheets of which each particle is thrown on its own way, 0.6 to 60 m a frame in this scene of 1 m: 36 to 3600 m/s at
+/// 720 frames of two sheets of which each particle is thrown on its own way, 0.6 to 60 m a frame in this scene of 1 m: 36 to 3600 m/s at
 /// 60 frames a second.
 #[test]
 fn sheets_thrown_at_one_another_do_not_pass() {
     let mut random = Random::new(1);
     let mut held = 0;
-    for run in 0..90 {
+    for run in 0..60 {
         let (rest, triangles) = two_sheets(6, &mut random);
         let mut detector = guard(&rest, &triangles);
         assert_eq!(intersection(&rest, &triangles), None);
@@ -44,7 +44,7 @@ fn sheets_thrown_at_one_another_do_not_pass() {
             q = to;
         }
     }
-    assert!(held > 5000, "{held}");
+    assert!(held > 4000, "{held}");
 }
 
 /// Folding in two: all of a sheet collides with itself.
