@@ -223,11 +223,16 @@ impl Detector {
         let gap = limit::GAP * self.options.thickness;
         let mut n = 0;
         for &v in &self.surface.vertices {
+            let start = from[v as usize];
             let mut put_out = false;
             for obstacle in obstacles {
-                let place = outside::keep_out(obstacle, [from[v as usize], to[v as usize]], gap, slide);
-                if let Some(place) = place {
-                    put_out |= to[v as usize] != place;
+                let end = to[v as usize];
+                // Where neither moves, there is nothing to shorten: pinned particles stay even inside.
+                if obstacle.is_still() && start == end {
+                    continue;
+                }
+                if let Some(place) = outside::keep_out(obstacle, [start, end], gap, slide) {
+                    put_out |= end != place;
                     to[v as usize] = place;
                 }
             }

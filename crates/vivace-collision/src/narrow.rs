@@ -11,8 +11,8 @@ use crate::proximity::{Nearest, Pair};
 const KEPT_AT_REST: f64 = 0.5;
 /// Of the distance at rest, how much nearer than that margin may reach: so that a surface at rest has no contacts with itself.
 const MARGIN_AT_REST: f64 = 0.25;
-/// Of the thickness: nearer pairs have no side on which they are.
-pub(crate) const TOUCHING: f64 = 1e-6;
+/// Of the thickness: nearer pairs have no side on which they are, so those that touch at rest are left alone.
+const TOUCHING: f64 = 1e-6;
 
 /// What a frame of candidates is looked at with.
 #[derive(Clone, Copy)]
@@ -39,10 +39,6 @@ impl Frame<'_> {
         let mut met = motion.first_within(pair, reach, 0.0)?;
 
         let at_rest = pair.nearest(&points(self.rest, ids)).distance();
-        let touching = TOUCHING * thickness;
-        if at_rest <= touching {
-            return None;
-        }
         let distance = thickness.min(KEPT_AT_REST * at_rest);
         let near = distance + margin.min(MARGIN_AT_REST * at_rest);
         if near < reach {
@@ -54,7 +50,8 @@ impl Frame<'_> {
             if end.distance() <= reach { (1.0, end) } else { met }
         });
         let nearest = met.1;
-        (nearest.distance() > touching).then(|| contact(ids, &nearest, distance, options.friction))
+        (nearest.distance() > TOUCHING * thickness)
+            .then(|| contact(ids, &nearest, distance, options.friction))
     }
 }
 

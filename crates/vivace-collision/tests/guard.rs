@@ -181,6 +181,29 @@ fn no_particle_gets_into_an_obstacle_that_stands() {
     assert!(put_out > 3000, "{put_out}");
 }
 
+/// A layer just above the floor, and one that presses on it: what they have in common leads into the floor.
+#[test]
+fn a_layer_is_not_pressed_into_the_floor() {
+    let (flat, triangles) = sheet(5, SPACING);
+    let raised = |by: f32| flat.iter().map(|p| *p + by * Vec3::Y).collect::<Vec<_>>();
+    let (rest, triangles) = joined(&[(raised(0.0005), triangles.clone()), (raised(0.0015), triangles)]);
+    let mut to: Vec<Vec3> = (0..50).map(|k| rest[k] - if k < 25 { 1e-5 } else { 0.002 } * Vec3::Y).collect();
+    let floor = [Obstacle::fixed(Shape::Plane, Pose::IDENTITY, 0.0)];
+    let report = guard(&rest, &triangles).limit(&rest, &mut to, &floor).unwrap();
+    assert!(report.contacts > 0);
+    assert!(to.iter().all(|p| p.y > 0.0), "{to:?}");
+    assert_eq!(intersection(&to, &triangles), None);
+}
+
+#[test]
+fn what_stands_in_an_obstacle_that_stands_is_left_there() {
+    let (rest, triangles) = sheet(4, SPACING);
+    let sphere = [Obstacle::fixed(Shape::Sphere { radius: 0.1 }, Pose::IDENTITY, 0.0)];
+    let mut to = rest.clone();
+    let report = guard(&rest, &triangles).limit(&rest, &mut to, &sphere).unwrap();
+    assert_eq!((report.contacts, &to), (0, &rest));
+}
+
 #[test]
 fn threads_do_not_show() {
     let mut random = Random::new(7);
