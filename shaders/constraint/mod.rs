@@ -12,6 +12,7 @@
 
 mod attachment;
 mod bending;
+mod contact;
 mod multiplier;
 mod spring;
 mod tet_strain;
@@ -27,6 +28,7 @@ use wide::f32x4;
 
 pub use attachment::Attachment;
 pub use bending::Bending;
+pub use contact::Contact;
 pub use multiplier::Multiplier;
 pub use spring::Spring;
 pub use tet_strain::TetStrain;

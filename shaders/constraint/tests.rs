@@ -12,6 +12,14 @@ struct Except {
     outer: bool,
     /// W = w/2 C² only near rest.
     deviation: bool,
+    /// It has a direction of its own, which does not turn along: turning is not free, and its forces turn.
+    direction: bool,
+}
+
+impl Except {
+    fn is_fixed(&self) -> bool {
+        self.outer || self.direction
+    }
 }
 
 /// A vector in \[−1, 1\]³.
@@ -36,7 +44,7 @@ fn check<C: Constraint<N, R>, const N: usize, const R: usize>(rest: &C, x: [Vec3
     let mut seed = 3;
     for _ in 0..200 {
         let turn = Quat::from_vec4(random(&mut seed).extend(random(&mut seed).x)).normalize();
-        if !except.outer {
+        if !except.is_fixed() {
             let shift = random(&mut seed);
             let energy = rest.energy(&x.map(|x| turn * x + shift));
             assert!(energy <= w * (4e-6 * size).powi(2), "{name}: energy {energy} after a rigid motion");
@@ -54,7 +62,7 @@ fn check<C: Constraint<N, R>, const N: usize, const R: usize>(rest: &C, x: [Vec3
         for slot in 0..N {
             check_block(rest, &q, slot);
         }
-        if !except.outer {
+        if !except.is_fixed() {
             check_momentum(rest, &q, size);
         }
     }
@@ -122,7 +130,7 @@ fn check_at<C: Constraint<N, R>, const N: usize, const R: usize>(
     for (once, twice) in p.iter().zip(rest.project(p)) {
         close(twice, *once, 5e-6 * size, &format!("{name}: projection of a projection"));
     }
-    if !except.outer {
+    if !except.is_fixed() {
         check_momentum(rest, q, size);
     }
     let (c, gradient) = rest.deviation(q);
@@ -205,7 +213,7 @@ const HINGE: [Vec3; 4] =
     [Vec3::new(0.0, 0.1, 0.0), Vec3::new(1.0, 0.0, 0.1), Vec3::new(0.4, -0.9, 0.0), Vec3::new(0.6, 0.7, 0.5)];
 const TET: [Vec3; 4] =
     [Vec3::new(0.0, 0.1, 0.0), Vec3::new(1.1, 0.0, 0.1), Vec3::new(0.1, 1.2, 0.2), Vec3::new(-0.1, 0.2, 1.0)];
-const ALL: Except = Except { outer: false, deviation: false };
+const ALL: Except = Except { outer: false, deviation: false, direction: false };
 
 /// `HINGE` unfolded.
 fn flat_hinge() -> [Vec3; 4] {
@@ -216,6 +224,28 @@ fn flat_hinge() -> [Vec3; 4] {
 fn attachment() {
     let pin = Attachment { target: Vec3::new(0.3, 0.2, 0.1), stiffness: 3.0 };
     check(&pin, [pin.target], &Except { outer: true, ..ALL });
+}
+
+#[test]
+fn contact() {
+    let weights = Vec4::new(1.0, -0.5, -0.25, -0.25);
+    let [x, y, z, w] = TET;
+    let normal = (x - (0.5 * y + 0.25 * z + 0.25 * w)).normalize();
+    let distance = normal.dot(x - (0.5 * y + 0.25 * z + 0.25 * w));
+    let start = Vec3::ZERO;
+    let (origin, padding) = (start, [0.0; 3]);
+    let rest = Contact {
+        weights,
+        normal,
+        distance,
+        origin,
+        stiffness: 3.0,
+        start,
+        friction: 0.0,
+        limit: 0.0,
+        padding,
+    };
+    check(&rest, TET, &Except { direction: true, ..ALL });
 }
 
 #[test]
