@@ -21,7 +21,7 @@
 //! | speed on a CPU (the default, [`color`]) | [`Algorithm::BlockedFirstFit`] |
 //! | fewest colors | [`reduce`] over any coloring |
 //! | equal classes | [`balance`] over any coloring |
-//! | edges that come and go | [`recolor`] |
+//! | edges that come and go | [`recolor`]; [`Follower`] where they do so for ever |
 //! | the paper's colorings, for a GPU | [`Algorithm::Vivace`], [`Algorithm::JonesPlassmann`], [`Algorithm::Luby`], [`Algorithm::LargestDegreeFirst`] |
 //!
 //! The default is blocked first fit because on a CPU first fit beats every round-based coloring in speed and mostly in colors
@@ -37,6 +37,7 @@ mod certificate;
 mod color_set;
 mod coloring;
 mod dissolve;
+mod follow;
 mod recolor;
 mod reduce;
 mod rounds;
@@ -47,6 +48,7 @@ pub use balance::{Balanced, balance};
 pub use certificate::{Certificate, Violation};
 pub use coloring::{Coloring, Partitions};
 pub use dissolve::dissolve_small_classes;
+pub use follow::{FollowWork, Follower};
 pub use recolor::{Recolored, recolor};
 pub use reduce::reduce;
 pub use rounds::{

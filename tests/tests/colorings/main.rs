@@ -2,6 +2,7 @@
 
 mod arbitrary;
 mod certificate;
+mod following;
 mod golden;
 mod passes;
 mod promises;

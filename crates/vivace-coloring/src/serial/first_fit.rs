@@ -42,7 +42,7 @@ fn in_order(graph: &impl Adjacency, order: impl IntoIterator<Item = u32>) -> Col
 }
 
 /// The colors around one vertex. Each entry says in which call it was last in use, so that nothing is ever cleared.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Palette {
     /// One entry for each color given so far and the next, and a last one for whatever is none of them.
     used_in: Vec<u32>,
