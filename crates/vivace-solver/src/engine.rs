@@ -6,7 +6,9 @@ use std::fmt::Debug;
 use glam::Vec3;
 use vivace_model::{Forces, Model, State};
 
-use crate::{Solver, SolverError, Stages};
+use crate::collisions::Collisions;
+use crate::contacts::ContactMemory;
+use crate::{ContactReport, Solver, SolverError, Stages};
 
 /// A framework where it runs, with the positions and velocities of a frame.
 pub(crate) trait Engine: Debug + Send + Sync {
@@ -41,6 +43,47 @@ pub(crate) trait Engine: Debug + Send + Sync {
 
     /// Line 1: `q⁰ = q + h v + h² M⁻¹ f`.
     fn predict(&mut self, model: &Model, forces: &Forces, h: f32);
+
+    /// Whether it has what follows.
+    fn has_collisions(&self) -> bool {
+        false
+    }
+
+    /// Finds the contacts of the step from where it begins to what was predicted, and takes them.
+    ///
+    /// # Errors
+    /// The engine has no contacts; detection refuses what was predicted.
+    fn collide(
+        &mut self,
+        collisions: &mut Collisions,
+        h: f32,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let _ = (collisions, h, report);
+        Err(SolverError::NoCollisions)
+    }
+
+    /// After lines 3 to 8: holds back what would pass through.
+    ///
+    /// # Errors
+    /// As [`Engine::collide`].
+    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError> {
+        let _ = (collisions, report);
+        Err(SolverError::NoCollisions)
+    }
+
+    /// What the coloring of the next step depends on.
+    fn memory(&self) -> ContactMemory {
+        ContactMemory::default()
+    }
+
+    /// Takes up where another stood.
+    ///
+    /// # Errors
+    /// It is not that of this model.
+    fn set_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
+        if *memory == ContactMemory::default() { Ok(()) } else { Err(SolverError::NoCollisions) }
+    }
 
     /// Makes ready for lines 3 to 8, from what was predicted.
     fn begin(&mut self, h: f32);

@@ -1,6 +1,7 @@
 //! What a solver refuses.
 
-use vivace_coloring::GraphError;
+use vivace_collision::CollisionError;
+use vivace_coloring::{GraphError, Violation};
 use vivace_model::ModelError;
 
 /// Why a system cannot be made or stepped. The state is as it was.
@@ -65,6 +66,29 @@ pub enum SolverError {
     Factor {
         /// What the factorisation said.
         reason: String,
+    },
+    /// Where contacts cannot be.
+    #[error(
+        "{relaxation} solves a matrix that contacts would change in every frame; take GaussSeidel for scenes with collisions"
+    )]
+    NoContacts {
+        /// The relaxation.
+        relaxation: &'static str,
+    },
+    /// The engine has no collisions.
+    #[error("collisions are found and solved on the CPU only; take the CPU, or a scene without them")]
+    NoCollisions,
+    /// Detection refuses the surface, an obstacle or a position.
+    #[error(transparent)]
+    Collision(#[from] CollisionError),
+    /// What is to be taken up is not of this model.
+    #[error("the contacts that are to be taken up are not those of this model")]
+    Memory,
+    /// The graph of a model and its coloring disagree.
+    #[error("{violation}")]
+    Coloring {
+        /// Where.
+        violation: Violation,
     },
     /// The step ended outside the range of `f32`.
     #[error(

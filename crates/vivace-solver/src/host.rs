@@ -5,10 +5,12 @@ use std::fmt::Debug;
 use glam::{DMat3, Vec3};
 use vivace_model::{Forces, Model, State};
 
+use crate::collisions::Collisions;
+use crate::contacts::{Change, ContactMemory, Found};
 use crate::engine::Engine;
 use crate::pbd::PositionBased;
 use crate::pd::ProjectiveDynamics;
-use crate::{Framework, Solver, SolverError, Stages};
+use crate::{ContactReport, Framework, Solver, SolverError, Stages};
 
 /// A framework on the host.
 pub(crate) trait Solve: Stages + Debug + Send + Sync {
@@ -20,6 +22,19 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
 
     /// See [`Engine::prepare`].
     fn prepare(&mut self, h: f32) -> Result<(), SolverError>;
+
+    /// Takes the contacts of a step, after [`Solve::prepare`] and before [`Solve::begin`].
+    fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError>;
+
+    /// See [`Engine::memory`].
+    fn memory(&self) -> ContactMemory {
+        ContactMemory::default()
+    }
+
+    /// See [`Engine::set_memory`].
+    fn set_memory(&mut self, _: &ContactMemory) -> Result<(), SolverError> {
+        Ok(())
+    }
 
     /// Begins a step of `h` \[s\] from `predicted` (s of Eq. 1) \[m\], in the model's order.
     fn begin(&mut self, h: f32, predicted: &[Vec3]);
@@ -40,6 +55,8 @@ pub(crate) struct Host {
     accelerations: Vec<Vec3>,
     /// Scratch of the wind: empty without one.
     drags: Vec<DMat3>,
+    /// Whether `after` has been found already.
+    is_guarded: bool,
 }
 
 /// The framework that `solver` asks for.
@@ -67,6 +84,7 @@ impl Host {
             velocities: zeros(),
             accelerations: zeros(),
             drags: Vec::new(),
+            is_guarded: false,
         })
     }
 }
@@ -111,6 +129,37 @@ impl Engine for Host {
         }
     }
 
+    fn has_collisions(&self) -> bool {
+        true
+    }
+
+    fn collide(
+        &mut self,
+        collisions: &mut Collisions,
+        h: f32,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        collisions.detect(&self.before, &self.predicted, h, report)?;
+        let change = self.framework.set_contacts(&collisions.found(&self.before, h))?;
+        report.add(&change);
+        Ok(())
+    }
+
+    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError> {
+        self.framework.end(&mut self.after);
+        collisions.limit(&self.before, &mut self.after, report)?;
+        self.is_guarded = true;
+        Ok(())
+    }
+
+    fn memory(&self) -> ContactMemory {
+        self.framework.memory()
+    }
+
+    fn set_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
+        self.framework.set_memory(memory)
+    }
+
     fn begin(&mut self, h: f32) {
         self.framework.begin(h, &self.predicted);
     }
@@ -120,7 +169,9 @@ impl Engine for Host {
     }
 
     fn update_velocities(&mut self, forces: &Forces, h: f32) {
-        self.framework.end(&mut self.after);
+        if !std::mem::take(&mut self.is_guarded) {
+            self.framework.end(&mut self.after);
+        }
         let scale = (-forces.damping * h).exp() / h;
         for ((velocity, after), before) in self.velocities.iter_mut().zip(&self.after).zip(&self.before) {
             *velocity = (*after - *before) * scale;

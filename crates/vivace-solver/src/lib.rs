@@ -7,6 +7,8 @@
 mod budget;
 #[cfg(feature = "direct")]
 mod cholesky;
+mod collisions;
+mod contacts;
 mod device;
 mod engine;
 mod error;
@@ -27,10 +29,13 @@ mod system;
 pub mod reference;
 
 pub use budget::Budget;
+pub use collisions::Collisions;
+pub use contacts::{ContactMemory, Recoloring};
 pub use error::SolverError;
-pub use report::{PhaseTimes, StepReport, Stop};
+pub use report::{ContactReport, PhaseTimes, StepReport, Stop};
 pub use solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
 use stages::Stages;
 pub use step::Ease;
 pub use system::System;
+pub use vivace_collision as collision;
 pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Wind};

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contacts::Change;
+
 /// What one step did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {
@@ -28,6 +30,39 @@ pub struct StepReport {
     pub times: PhaseTimes,
     /// Why it stopped.
     pub stop: Stop,
+    /// Contacts; all 0 without collisions.
+    #[serde(default)]
+    pub contacts: ContactReport,
+}
+
+/// What collisions did in a step. Counts are sums over its small steps; depths are those of the last.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactReport {
+    /// Contacts that were solved.
+    pub contacts: usize,
+    /// Contacts beyond the bound on their number, which were not.
+    pub left_out: usize,
+    /// Edges that contacts brought to the graph or took from it.
+    pub changed_edges: usize,
+    /// How often a vertex got another color.
+    pub recolored: usize,
+    /// Vertices whose neighbors recoloring looked at, and how many neighbors those were.
+    pub visited: [usize; 2],
+    /// Particles that the guard held back.
+    pub held_back: usize,
+    /// By how much the end of the step comes nearer than the thickness, at the worst contact \[m\].
+    pub deepest: f32,
+    /// The same, as a mean over all contacts \[m\].
+    pub mean_depth: f32,
+}
+
+impl ContactReport {
+    pub(crate) fn add(&mut self, change: &Change) {
+        self.changed_edges += change.edges;
+        self.recolored += change.recolored;
+        self.visited = [self.visited[0] + change.visited[0], self.visited[1] + change.visited[1]];
+    }
 }
 
 /// Seconds spent in each phase of a step.
@@ -39,6 +74,12 @@ pub struct PhaseTimes {
     pub predict: f64,
     /// Iterations.
     pub solve: f64,
+    /// Detection of contacts, graph and coloring.
+    #[serde(default)]
+    pub detect: f64,
+    /// The guard that lets nothing pass.
+    #[serde(default)]
+    pub guard: f64,
     /// Velocities, checks, and measures where they are asked for.
     pub finish: f64,
 }

@@ -36,6 +36,9 @@ impl Safeguard {
         self.looked_at = k;
         self.next_check = k + k.clamp(1, LONGEST);
         let objective = stages.objective();
+        if let Some(kept) = stages.objective_of_saved() {
+            (self.lowest, self.kept) = (kept, kept);
+        }
         // Not a number compares false: it is a rise.
         if objective <= self.lowest + stages.tolerated_rise() * self.lowest.abs() {
             self.lowest = objective.min(self.lowest);

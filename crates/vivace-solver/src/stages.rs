@@ -53,6 +53,12 @@ pub(crate) trait Stages {
     /// The objective g(q) that the time step minimises \[J\]: inertia and the energy of the constraints.
     fn objective(&mut self) -> f64;
 
+    /// Where the objective has changed since, as that of friction does with each local step: that of what [`Stages::save`] kept, as it
+    /// is now \[J\].
+    fn objective_of_saved(&mut self) -> Option<f64> {
+        None
+    }
+
     /// By how much of itself the objective may rise without cause for alarm: rounding in `f32`, which averages to 10⁻⁵ over a few
     /// hundred nearly unstretched springs. What diverges grows by factors.
     fn tolerated_rise(&self) -> f64 {

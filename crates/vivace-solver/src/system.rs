@@ -6,6 +6,8 @@ use glam::Vec3;
 use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 
+use crate::collisions::Collisions;
+use crate::contacts::ContactMemory;
 use crate::device::OnDevice;
 use crate::engine::Engine;
 use crate::host::Host;
@@ -23,6 +25,16 @@ pub struct System {
     engine: Box<dyn Engine>,
     ease: Ease,
     is_measuring: bool,
+    collisions: Option<Collisions>,
+}
+
+/// Whether `solver` can do with contacts.
+fn check_contacts(solver: &Solver, collisions: Option<&Collisions>) -> Result<(), SolverError> {
+    let is_linear = matches!(solver.relaxation, Relaxation::Direct | Relaxation::ConjugateGradient { .. });
+    if is_linear && collisions.is_some() {
+        return Err(SolverError::NoContacts { relaxation: solver.relaxation.name() });
+    }
+    Ok(())
 }
 
 impl System {
@@ -57,7 +69,7 @@ impl System {
     }
 
     fn with_engine(model: Model, solver: Solver, engine: Box<dyn Engine>) -> Self {
-        Self { model, solver, engine, ease: Ease::default(), is_measuring: false }
+        Self { model, solver, engine, ease: Ease::default(), is_measuring: false, collisions: None }
     }
 
     /// The model.
@@ -78,6 +90,7 @@ impl System {
     /// As [`System::new`]; the old solver stays.
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SolverError> {
         solver.check()?;
+        check_contacts(&solver, self.collisions.as_ref())?;
         self.engine.set_solver(&self.model, &solver)?;
         self.solver = solver;
         self.ease = Ease::default();
@@ -108,6 +121,47 @@ impl System {
         self.model.set_attachment_target(idx, target)?;
         self.engine.set_attachment_target(idx, target);
         Ok(())
+    }
+
+    /// Lets the model collide, or no more.
+    ///
+    /// # Errors
+    /// [`SolverError::NoContacts`]: the relaxation has none; [`SolverError::NoCollisions`]: the device has none.
+    pub fn set_collisions(&mut self, collisions: Option<Collisions>) -> Result<(), SolverError> {
+        check_contacts(&self.solver, collisions.as_ref())?;
+        if collisions.is_some() && !self.engine.has_collisions() {
+            return Err(SolverError::NoCollisions);
+        }
+        // Those of the last step are gone.
+        self.engine.set_solver(&self.model, &self.solver)?;
+        self.collisions = collisions;
+        Ok(())
+    }
+
+    /// Collisions, where there are any.
+    #[must_use]
+    pub fn collisions(&self) -> Option<&Collisions> {
+        self.collisions.as_ref()
+    }
+
+    /// Collisions, where there are any: to move obstacles.
+    pub fn collisions_mut(&mut self) -> Option<&mut Collisions> {
+        self.collisions.as_mut()
+    }
+
+    /// What the coloring of the next step depends on beside its contacts: with [`System::ease`] and the state, all that the next step
+    /// depends on.
+    #[must_use]
+    pub fn contact_memory(&self) -> ContactMemory {
+        self.engine.memory()
+    }
+
+    /// Takes up where another system of this model stood.
+    ///
+    /// # Errors
+    /// [`SolverError::Memory`]: it is not of this model. Nothing has changed.
+    pub fn set_contact_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
+        self.engine.set_memory(memory)
     }
 
     /// How many colors a sweep has.
@@ -147,9 +201,15 @@ impl System {
         self.engine.prepare(small_h)?;
         self.engine.load(state);
         report.times.setup = start.elapsed().as_secs_f64();
+        let memory = self.collisions.is_some().then(|| self.engine.memory());
         for substep in 0..n_substeps {
             let share = share_of(&budget, substep, n_substeps);
-            self.substep(forces, small_h, &share, start, &mut report);
+            if let Some(collisions) = &mut self.collisions {
+                collisions.begin(substep, n_substeps);
+            }
+            if let Err(error) = self.substep(forces, small_h, &share, start, &mut report) {
+                return Err(self.undo(error, ease, memory.as_ref()));
+            }
         }
         let finish_start = Instant::now();
         if self.is_measuring {
@@ -159,25 +219,49 @@ impl System {
             report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
         }
         if let Err(error) = self.engine.store(&self.model, state) {
-            self.ease = ease;
-            return Err(error);
+            return Err(self.undo(error, ease, memory.as_ref()));
         }
         report.times.finish += finish_start.elapsed().as_secs_f64();
         Ok(report)
     }
 
+    /// What comes back with `error`: all that a step may have changed was `ease` and `memory` before it.
+    fn undo(&mut self, error: SolverError, ease: Ease, memory: Option<&ContactMemory>) -> SolverError {
+        self.ease = ease;
+        let restored = memory.map_or(Ok(()), |memory| self.engine.set_memory(memory));
+        restored.err().unwrap_or(error)
+    }
+
     /// Algorithm 1.
-    fn substep(&mut self, forces: &Forces, h: f32, budget: &Budget, start: Instant, report: &mut StepReport) {
+    fn substep(
+        &mut self,
+        forces: &Forces,
+        h: f32,
+        budget: &Budget,
+        start: Instant,
+        report: &mut StepReport,
+    ) -> Result<(), SolverError> {
         let predict_start = Instant::now();
         self.engine.predict(&self.model, forces, h);
+        let detect_start = Instant::now();
+        report.times.predict += (detect_start - predict_start).as_secs_f64();
+        if let Some(collisions) = &mut self.collisions {
+            self.engine.collide(collisions, h, &mut report.contacts)?;
+            report.times.detect += detect_start.elapsed().as_secs_f64();
+        }
         let solve_start = Instant::now();
-        report.times.predict += (solve_start - predict_start).as_secs_f64();
         self.engine.begin(h);
         solve(self.engine.stages(), &self.solver, budget, start, &mut self.ease, report);
+        let guard_start = Instant::now();
+        report.times.solve += (guard_start - solve_start).as_secs_f64();
+        if let Some(collisions) = &mut self.collisions {
+            self.engine.guard(collisions, &mut report.contacts)?;
+            report.times.guard += guard_start.elapsed().as_secs_f64();
+        }
         let finish_start = Instant::now();
-        report.times.solve += (finish_start - solve_start).as_secs_f64();
         self.engine.update_velocities(forces, h);
         report.times.finish += finish_start.elapsed().as_secs_f64();
+        Ok(())
     }
 
     /// The last small step, as it was left.

@@ -228,7 +228,7 @@ fn correct_each<C: Constraint<N, R>, const N: usize, const R: usize>(
 }
 
 /// Adds to each constraint's particles what it moves them by, in order.
-fn scatter<const N: usize>(particles: &[[u32; N]], moves: &[[Vec4; N]], q: &mut [Vec4]) {
+pub(super) fn scatter<const N: usize>(particles: &[[u32; N]], moves: &[[Vec4; N]], q: &mut [Vec4]) {
     for (particles, moves) in particles.iter().zip(moves) {
         for (&p, step) in particles.iter().zip(moves) {
             q[p as usize] += *step;

@@ -9,15 +9,19 @@
 
 pub(crate) mod arranged;
 pub(crate) mod coloring;
+mod contacts;
 mod kind;
 
 use glam::{Vec3, Vec4};
+use vivace_kernels::constraint::Xpbd;
 use vivace_model::Model;
 
+use crate::contacts::{Change, Found};
 use crate::history::History;
 use crate::host::Solve;
 use crate::parallel::sum;
 use crate::{Preconditioner, SolverError, Stages};
+use contacts::Contacts;
 use kind::{Kind, Kinds};
 
 /// Where XPBD comes to rest is near the minimum of the objective, not at it, so plain iterations climb a little.
@@ -27,9 +31,12 @@ pub(crate) const TOLERATED_RISE: f64 = 1.0;
 #[derive(Debug)]
 pub(crate) struct PositionBased {
     kinds: Vec<Box<dyn Kind>>,
+    /// Of these; those of contacts follow.
     n_colors: u32,
+    contacts: Contacts,
     n_free: usize,
-    /// Constraints of each free particle.
+    /// Constraints of each free particle, without and with contacts.
+    own_counts: Vec<f32>,
     counts: Vec<f32>,
     h: f32,
     predicted: Vec<Vec4>,
@@ -56,7 +63,9 @@ impl PositionBased {
         Ok(Self {
             kinds,
             n_colors,
+            contacts: Contacts::default(),
             n_free,
+            own_counts: counts.clone(),
             counts,
             h: 0.0,
             predicted: q.clone(),
@@ -64,6 +73,12 @@ impl PositionBased {
             history: History::new(n),
             sums: vec![Vec4::ZERO; n],
         })
+    }
+}
+
+impl PositionBased {
+    fn xpbd(&self, omega: f32) -> Xpbd {
+        Xpbd { squared_h: self.h * self.h, omega }
     }
 }
 
@@ -82,6 +97,13 @@ impl Solve for PositionBased {
         Ok(())
     }
 
+    fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {
+        self.contacts.set(found, &self.q);
+        self.counts.copy_from_slice(&self.own_counts);
+        self.contacts.count(&self.q, &mut self.counts);
+        Ok(Change::default())
+    }
+
     fn begin(&mut self, h: f32, predicted: &[Vec3]) {
         self.h = h;
         for (q, &p) in self.q.iter_mut().zip(predicted) {
@@ -90,6 +112,7 @@ impl Solve for PositionBased {
         self.predicted.copy_from_slice(&self.q);
         self.history.begin(&self.q);
         self.kinds.iter_mut().for_each(|kind| kind.begin(h));
+        self.contacts.begin();
     }
 
     fn end(&self, positions: &mut [Vec3]) {
@@ -101,12 +124,17 @@ impl Solve for PositionBased {
 
 impl Stages for PositionBased {
     fn n_colors(&self) -> u32 {
-        self.n_colors
+        self.n_colors + u32::try_from(self.contacts.n_colors()).unwrap_or(u32::MAX)
     }
 
     fn project(&mut self) {}
 
     fn relax_color(&mut self, color: u32, omega: f32) {
+        if let Some(color) = color.checked_sub(self.n_colors) {
+            let xpbd = self.xpbd(omega);
+            self.contacts.relax_color(color as usize, &xpbd, &mut self.q);
+            return;
+        }
         for kind in &mut self.kinds {
             kind.relax_color(color, omega, &mut self.q);
         }
@@ -119,7 +147,7 @@ impl Stages for PositionBased {
             self.remember();
         }
         self.relax_color(color, 1.0);
-        if color + 1 == self.n_colors {
+        if color + 1 == self.n_colors() {
             self.extrapolate(omega);
         }
     }
@@ -129,6 +157,8 @@ impl Stages for PositionBased {
         for kind in &mut self.kinds {
             kind.relax_all(omega, &self.counts, &self.q, &mut self.sums);
         }
+        let xpbd = self.xpbd(omega);
+        self.contacts.relax_all(&xpbd, &self.counts, &self.q, &mut self.sums);
         for (q, sum) in self.q.iter_mut().zip(&self.sums) {
             *q += *sum;
         }
@@ -138,6 +168,8 @@ impl Stages for PositionBased {
         for kind in &mut self.kinds {
             kind.relax_in_order(omega, &mut self.q);
         }
+        let xpbd = self.xpbd(omega);
+        self.contacts.relax_in_order(&xpbd, &mut self.q);
     }
 
     // `Solver::check` lets no linear solver come here.
@@ -148,11 +180,15 @@ impl Stages for PositionBased {
     fn remember(&mut self) {
         self.history.remember(&self.q);
         self.kinds.iter_mut().for_each(|kind| kind.remember());
+        let (history, lambdas) = self.contacts.history();
+        history.remember(lambdas);
     }
 
     fn extrapolate(&mut self, omega: f32) {
         self.history.extrapolate(&mut self.q, omega);
         self.kinds.iter_mut().for_each(|kind| kind.extrapolate(omega));
+        let (history, lambdas) = self.contacts.history();
+        history.extrapolate(lambdas, omega);
     }
 
     fn moved(&mut self) -> f32 {
@@ -169,7 +205,8 @@ impl Stages for PositionBased {
             if w > 0.0 { squared / (2.0 * f64::from(w) * f64::from(self.h * self.h)) } else { 0.0 }
         };
         let inertia = sum(0..self.q.len(), &of);
-        inertia + self.kinds.iter().map(|kind| kind.energy(&self.q)).sum::<f64>()
+        let kinds = inertia + self.kinds.iter().map(|kind| kind.energy(&self.q)).sum::<f64>();
+        if self.contacts.is_empty() { kinds } else { kinds + self.contacts.energy(&self.q) }
     }
 
     fn tolerated_rise(&self) -> f64 {
@@ -179,6 +216,7 @@ impl Stages for PositionBased {
     fn residual(&mut self) -> f64 {
         self.sums.fill(Vec4::ZERO);
         self.kinds.iter().for_each(|kind| kind.add_gradient(&self.q, &mut self.sums));
+        self.contacts.add_gradient(&self.q, &mut self.sums);
         let squared_h = self.h * self.h;
         let of = |i: usize| {
             let w = self.q[i].w;
@@ -191,10 +229,14 @@ impl Stages for PositionBased {
     fn save(&mut self) {
         self.history.save(&self.q);
         self.kinds.iter_mut().for_each(|kind| kind.save());
+        let (history, lambdas) = self.contacts.history();
+        history.save(lambdas);
     }
 
     fn restore(&mut self) {
         self.history.restore(&mut self.q);
         self.kinds.iter_mut().for_each(|kind| kind.restore());
+        let (history, lambdas) = self.contacts.history();
+        history.restore(lambdas);
     }
 }

@@ -5,6 +5,7 @@
 //! adds a pass (`pass.rs`).
 
 mod conjugate_gradient;
+mod contacts;
 #[cfg(feature = "direct")]
 mod direct;
 pub(crate) mod layout;
@@ -15,21 +16,27 @@ mod slices;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod topology;
+mod touched;
 
 use glam::{Vec3, Vec3A};
 use vivace_model::Model;
 use wide::f32x8;
 
+use crate::contacts::{Change, ContactMemory, Found};
 use crate::history::History;
 use crate::host::Solve;
 use crate::parallel::{Split, in_pieces, sum};
 use crate::{LocalStep, Preconditioner, Relaxation, SolverError, Stages, VertexSolve};
+use contacts::Contacts;
 use layout::Layout;
 use pass::{Pass, Passes};
 use points::{LANES, Lanes3, Points, PointsMut};
 use rows::Rows;
 use slices::Slices;
 use sweep::Vertices;
+use topology::Topology;
+use touched::Turn;
 
 /// A model prepared for Projective Dynamics, and the positions while a step is solved.
 #[derive(Debug)]
@@ -53,6 +60,8 @@ pub(crate) struct ProjectiveDynamics {
     factor: Option<direct::Factor>,
     is_direct: bool,
     conjugate_gradient: conjugate_gradient::ConjugateGradient,
+    /// Contacts, and the coloring with them; `None` until there are any.
+    contacts: Option<Box<(Contacts, Topology)>>,
     // The frame.
     anchors: Points,
     q: Points,
@@ -158,6 +167,7 @@ impl ProjectiveDynamics {
             factor: None,
             is_direct,
             conjugate_gradient: conjugate_gradient::ConjugateGradient::default(),
+            contacts: None,
             anchors: Points::zeros(n_free),
             history: History::new(q.data().len()),
             q,
@@ -179,19 +189,34 @@ impl ProjectiveDynamics {
         }
     }
 
-    /// By how much the vertices of a slice would move, unrelaxed, from `q` \[m\].
+    /// By how much the vertices of a slice move from `q`, over-relaxed by `omega` \[m\].
     #[inline]
-    fn step(&self, slice: usize, q: &Points) -> Lanes3 {
+    fn step(&self, slice: usize, q: &Points, omega: f32, turn: Turn) -> Lanes3 {
         let vertices = self.vertices();
-        match (self.is_fused(), self.vertex) {
-            (true, VertexSolve::Diagonal) => vertices.by_diagonal(slice, vertices.fused(slice, q)),
-            (true, VertexSolve::Block) => vertices.by_blocks(slice, q, vertices.fused(slice, q)),
-            (false, _) => vertices.by_diagonal(slice, vertices.linear(slice, q, &self.pulls)),
+        let residual = self.forces(slice, q);
+        let step = match self.vertex {
+            VertexSolve::Block if self.is_fused() => vertices.by_blocks(slice, q, residual),
+            _ => vertices.by_diagonal(slice, residual),
+        };
+        let step = step * f32x8::splat(omega);
+        if self.contacts.is_none() { step } else { self.with_contacts(slice, q, step, omega, turn) }
+    }
+
+    /// `b − Y q` of the vertices of a slice without contacts \[N\].
+    #[inline]
+    fn forces(&self, slice: usize, q: &Points) -> Lanes3 {
+        if self.is_fused() {
+            self.vertices().fused(slice, q)
+        } else {
+            self.vertices().linear(slice, q, &self.pulls)
         }
     }
 
     /// `f` of every slice of a color, into `out`.
     fn of_color(&self, color: usize, out: &mut Points, f: impl Fn(usize) -> Lanes3 + Sync) {
+        if color >= self.layout.classes.len() {
+            return;
+        }
         let (range, slices) = (self.layout.classes[color].clone(), self.slices.colors[color].clone());
         in_pieces(0, out.range_mut(range), GRAIN, &|first, mut out: PointsMut<'_>| {
             for at in (0..out.len()).step_by(LANES) {
@@ -260,6 +285,18 @@ impl Solve for ProjectiveDynamics {
         }
     }
 
+    fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {
+        self.take_contacts(found)
+    }
+
+    fn memory(&self) -> ContactMemory {
+        self.contact_memory()
+    }
+
+    fn set_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
+        self.take_memory(memory)
+    }
+
     fn begin(&mut self, _: f32, predicted: &[Vec3]) {
         let Self { layout, q, anchors, anchor_weights, masses, h, .. } = self;
         for (slot, &particle) in layout.order.iter().enumerate() {
@@ -287,10 +324,14 @@ impl Solve for ProjectiveDynamics {
 
 impl Stages for ProjectiveDynamics {
     fn n_colors(&self) -> u32 {
-        u32::try_from(self.layout.classes.len()).unwrap_or(u32::MAX)
+        let of_classes = u32::try_from(self.layout.classes.len()).unwrap_or(u32::MAX);
+        self.contacts.as_ref().map_or(of_classes, |all| all.1.n_colors().max(of_classes))
     }
 
     fn project(&mut self) {
+        if let Some(all) = &mut self.contacts {
+            all.0.lag(&self.q);
+        }
         if self.is_fused() {
             return;
         }
@@ -320,41 +361,51 @@ impl Stages for ProjectiveDynamics {
 
     fn relax_color(&mut self, color: u32, omega: f32) {
         let color = color as usize;
+        if color >= self.layout.classes.len() {
+            self.relax_moved(color, omega);
+            return;
+        }
         if rayon::current_num_threads() == 1 {
             // No vertex of a color sees another: each may be written at once.
             let mut q = std::mem::take(&mut self.q);
             for slice in self.slices.colors[color].clone() {
                 let (first, n) = self.slices.slices[slice];
-                let step = self.step(slice, &q);
-                q.store(first, n, q.lanes(first) + step * f32x8::splat(omega));
+                let step = self.step(slice, &q, omega, Turn::Class);
+                q.store(first, n, q.lanes(first) + step);
             }
             self.q = q;
-            return;
+        } else {
+            let mut relaxed = std::mem::take(&mut self.steps);
+            self.of_color(color, &mut relaxed, |slice| {
+                self.q.lanes(self.slices.slices[slice].0) + self.step(slice, &self.q, omega, Turn::Class)
+            });
+            let range = self.layout.classes[color].clone();
+            in_pieces(range.start, self.q.range_mut(range), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
+                q.copy_from(first, &relaxed);
+            });
+            self.steps = relaxed;
         }
-        let mut relaxed = std::mem::take(&mut self.steps);
-        self.of_color(color, &mut relaxed, |slice| {
-            self.q.lanes(self.slices.slices[slice].0) + self.step(slice, &self.q) * f32x8::splat(omega)
-        });
-        let range = self.layout.classes[color].clone();
-        in_pieces(range.start, self.q.range_mut(range), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
-            q.copy_from(first, &relaxed);
-        });
-        self.steps = relaxed;
+        self.relax_moved(color, omega);
     }
 
     fn relax_color_from_previous(&mut self, color: u32, omega: f32) {
+        let color = color as usize;
         let mut steps = std::mem::take(&mut self.steps);
-        self.of_color(color as usize, &mut steps, |slice| self.step(slice, &self.q));
-        let range = self.layout.classes[color as usize].clone();
+        self.of_color(color, &mut steps, |slice| self.step(slice, &self.q, 1.0, Turn::Class));
+        for (&vertex, step) in self.moved_to(color).iter().zip(self.steps_of_moved(color, 1.0)) {
+            steps.set(vertex as usize, step);
+        }
+        let class =
+            self.layout.classes.get(color).cloned().unwrap_or_default().filter(|&v| !self.has_moved(v));
+        let moved = self.moved_to(color).iter().map(|&vertex| vertex as usize);
+        let vertices: Vec<usize> = class.chain(moved).collect();
         let stride = self.q.stride();
-        for (axis, steps) in steps.axes().into_iter().enumerate() {
-            let at = axis * stride + range.start..axis * stride + range.end;
-            let previous = &mut self.history.previous_mut()[at.clone()];
-            for ((q, previous), step) in
-                self.q.data_mut()[at].iter_mut().zip(previous).zip(&steps[range.clone()])
-            {
+        for vertex in vertices {
+            for (axis, steps) in steps.axes().into_iter().enumerate() {
+                let at = axis * stride + vertex;
+                let (q, previous) = (&mut self.q.data_mut()[at], &mut self.history.previous_mut()[at]);
                 let old = *q;
-                *q = *previous + omega * (old + *step - *previous);
+                *q = *previous + omega * (old + steps[vertex] - *previous);
                 *previous = old;
             }
         }
@@ -363,7 +414,7 @@ impl Stages for ProjectiveDynamics {
 
     fn relax_all(&mut self, omega: f32) {
         let mut steps = std::mem::take(&mut self.steps);
-        self.of_all(&mut steps, |slice| self.step(slice, &self.q));
+        self.of_all(&mut steps, |slice| self.step(slice, &self.q, 1.0, Turn::All));
         let n_free = self.layout.n_free;
         in_pieces(0, self.q.range_mut(0..n_free), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
             q.axpy(omega, first, &steps);
@@ -374,9 +425,7 @@ impl Stages for ProjectiveDynamics {
     fn relax_in_order(&mut self, omega: f32) {
         for k in 0..self.in_order.len() {
             let i = self.in_order[k] as usize;
-            let slice = self.slices.of_vertex(i);
-            let step = self.step(slice, &self.q).to_array()[i - self.slices.slices[slice].0];
-            self.q.set(i, self.q.get(i) + omega * step);
+            self.q.set(i, self.q.get(i) + self.step_of(i, omega));
         }
     }
 
@@ -417,14 +466,32 @@ impl Stages for ProjectiveDynamics {
     fn objective(&mut self) -> f64 {
         let vertices = self.vertices();
         let rows = sum(0..self.slices.slices.len(), &|slice| vertices.objective(slice, &self.q));
-        rows + self.passes.iter().map(|pass| pass.energy(&self.q)).sum::<f64>()
+        let passes = self.passes.iter().map(|pass| pass.energy(&self.q)).sum::<f64>();
+        let contacts = self.contacts.as_ref().map(|all| all.0.energy(&self.q));
+        contacts.map_or(rows + passes, |contacts| rows + passes + contacts)
+    }
+
+    fn objective_of_saved(&mut self) -> Option<f64> {
+        if !self.contacts.as_ref().is_some_and(|all| all.0.has_friction()) {
+            return None;
+        }
+        self.history.swap_saved(self.q.data_mut());
+        let objective = self.objective();
+        self.history.swap_saved(self.q.data_mut());
+        Some(objective)
     }
 
     fn residual(&mut self) -> f64 {
         let vertices = self.vertices();
         let squared = |slice: usize| {
-            let residual = vertices.fused(slice, &self.q);
-            let n = self.slices.slices[slice].1;
+            let mut residual = vertices.fused(slice, &self.q);
+            let (first, n) = self.slices.slices[slice];
+            if let Some(all) = &self.contacts {
+                let mut forces = residual.to_array();
+                let touched = (0..n).filter(|lane| all.0.mask(slice) >> lane & 1 == 1);
+                touched.for_each(|lane| forces[lane] += Vec3A::from(all.0.pull(first + lane, &self.q)));
+                residual = Lanes3::from_array(forces);
+            }
             residual.dot(residual).to_array()[..n].iter().map(|&squared| f64::from(squared)).sum()
         };
         (sum(0..self.slices.slices.len(), &squared) / self.layout.n_free.max(1) as f64).sqrt()
