@@ -1,11 +1,13 @@
 //! A contact: a distance that must be kept along a normal, and Coulomb's friction across it.
 //!
 //! A q = Σ a q, the place of one side as seen from the other. p = A q, moved out along the normal n by the depth
-//! d = distance − n · (A q − origin) where that is positive, and moved back across it by min(|t|, limit), where t is how far A q has
-//! slipped since the start of the frame: W = w/2 d² + w H(t), H(t) = |t|²/2 up to the limit and limit (|t| − limit/2) beyond.
+//! d = distance − n · (A q − origin) where that is positive, and moved back across it by min(|t|, limit), where t is how far A q lies
+//! from where friction holds it: W = w/2 d² + w H(t), H(t) = |t|²/2 up to the limit and limit (|t| − limit/2) beyond.
 //!
-//! The limit is friction · d as of the last [`Contact::lag`]. As long as it stands W has a minimum and a descent, which Coulomb's law
-//! itself has not; where an iteration no longer moves anything the two agree.
+//! Friction holds A q where it was at the start of the frame, or as much further on as Coulomb allows: of the way that was predicted
+//! it takes back what the force friction · w d takes from the particles' momentum, friction · d · mobility. That and the limit,
+//! friction · d, are as of the last [`Contact::lag`]. As long as they stand W has a minimum and a descent, which Coulomb's law itself
+//! has not; where an iteration no longer moves anything the two agree.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3, Vec4};
@@ -26,12 +28,16 @@ pub struct Contact {
     pub origin: Vec3,
     /// Stiffness w \[N/m\].
     pub stiffness: f32,
-    /// Where A q would be had nothing slipped in this frame \[m\].
+    /// A q at the start of the frame, moved along with an obstacle \[m\].
     pub start: Vec3,
     /// Coulomb's coefficient \[1\].
     pub friction: f32,
+    /// From there to A q as predicted, across the normal \[m\].
+    pub ahead: Vec3,
     /// The most that friction takes back of a slip \[m\].
     pub limit: f32,
+    /// How far a depth's force would move the particles in a frame, were they free: w h² Σ a²/m \[1\].
+    pub mobility: f32,
     /// Fills up what WGSL aligns.
     pub padding: [f32; 3],
 }
@@ -44,15 +50,17 @@ impl Contact {
         self.distance - self.normal.dot(aq - self.origin)
     }
 
-    /// t \[m\]: how far `aq` has slipped across the normal since the start of the frame.
+    /// t \[m\]: how far `aq` lies across the normal from where friction holds it.
     #[inline]
     #[must_use]
     pub fn slip(&self, aq: Vec3) -> Vec3 {
         let moved = aq - self.start;
-        moved - self.normal * self.normal.dot(moved)
+        let (length, taken) = (self.ahead.length(), self.limit * self.mobility);
+        let left = if taken < length { 1.0 - taken / length } else { 0.0 };
+        moved - self.normal * self.normal.dot(moved) - self.ahead * left
     }
 
-    /// Sets the limit to what Coulomb allows at `aq`.
+    /// Lets friction do what Coulomb allows at `aq`.
     #[inline]
     pub fn lag(&mut self, aq: Vec3) {
         self.limit = self.friction * self.depth(aq).max(0.0);
@@ -147,7 +155,9 @@ mod tests {
         stiffness: 2.0,
         start: Vec3::new(3.0, 1.0, 0.0),
         friction: 0.5,
+        ahead: Vec3::X,
         limit: 0.0,
+        mobility: 20.0,
         padding: [0.0; 3],
     };
 
@@ -181,6 +191,16 @@ mod tests {
             assert!((p - Vec3::new(expected, 1.5, 0.0)).length() < 1e-6, "{x}: {p}");
             assert!((floor.energy(&q) - energy).abs() < 1e-6, "{x}: {}", floor.energy(&q));
         }
+    }
+
+    #[test]
+    fn friction_takes_back_of_what_was_predicted_what_its_force_can() {
+        let q = at(3.6, 1.4);
+        // 0.1 deep: a limit of 0.05, and a way of 0.1 taken back of 1.
+        let mut floor = Contact { mobility: 2.0, ..FLOOR };
+        floor.lag(q[0]);
+        assert!((floor.slip(q[0]) - Vec3::new(-0.3, 0.0, 0.0)).length() < 1e-6, "{}", floor.slip(q[0]));
+        assert!((floor.project(floor.apply(&q))[0] - Vec3::new(3.65, 1.5, 0.0)).length() < 1e-6);
     }
 
     #[test]

@@ -232,19 +232,7 @@ fn contact() {
     let [x, y, z, w] = TET;
     let normal = (x - (0.5 * y + 0.25 * z + 0.25 * w)).normalize();
     let distance = normal.dot(x - (0.5 * y + 0.25 * z + 0.25 * w));
-    let start = Vec3::ZERO;
-    let (origin, padding) = (start, [0.0; 3]);
-    let rest = Contact {
-        weights,
-        normal,
-        distance,
-        origin,
-        stiffness: 3.0,
-        start,
-        friction: 0.0,
-        limit: 0.0,
-        padding,
-    };
+    let rest = Contact { weights, normal, distance, stiffness: 3.0, ..Contact::zeroed() };
     check(&rest, TET, &Except { direction: true, ..ALL });
 }
 

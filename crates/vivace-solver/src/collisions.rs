@@ -77,8 +77,14 @@ impl Collisions {
         Ok(())
     }
 
-    pub(crate) fn found<'a>(&'a self, before: &'a [Vec3], h: f32) -> Found<'a> {
-        Found { contacts: &self.contacts, before, h, recoloring: self.recoloring }
+    pub(crate) fn found<'a>(
+        &'a self,
+        masses: &'a [f32],
+        before: &'a [Vec3],
+        predicted: &'a [Vec3],
+        h: f32,
+    ) -> Found<'a> {
+        Found { contacts: &self.contacts, before, predicted, masses, h, recoloring: self.recoloring }
     }
 
     pub(crate) fn limit(

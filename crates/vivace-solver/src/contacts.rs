@@ -13,8 +13,11 @@ pub(crate) const STIFFNESS: f32 = 10.0;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found<'a> {
     pub(crate) contacts: &'a [vivace_collision::Contact],
-    /// Positions at its start, in the model's order \[m\].
+    /// Positions at its start and as predicted, in the model's order \[m\].
     pub(crate) before: &'a [Vec3],
+    pub(crate) predicted: &'a [Vec3],
+    /// Masses \[kg\].
+    pub(crate) masses: &'a [f32],
     pub(crate) h: f32,
     pub(crate) recoloring: Recoloring,
 }
@@ -24,6 +27,10 @@ impl Found<'_> {
     pub(crate) fn rest(&self, k: usize, stiffness: f32) -> constraint::Contact {
         use constraint::Constraint;
         let contact = &self.contacts[k];
+        let inverse_mass = |slot: usize| {
+            let weight = contact.weights[slot];
+            weight * weight / self.masses[contact.particles[slot] as usize]
+        };
         let mut rest = constraint::Contact {
             weights: Vec4::from(contact.weights),
             normal: contact.normal,
@@ -32,14 +39,23 @@ impl Found<'_> {
             stiffness,
             start: Vec3::ZERO,
             friction: contact.friction,
+            ahead: Vec3::ZERO,
             limit: 0.0,
+            mobility: stiffness * self.h * self.h * (0..4).map(inverse_mass).sum::<f32>(),
             padding: [0.0; 3],
         };
-        let [start] = rest.apply(&contact.particles.map(|p| self.before[p as usize]));
-        rest.start = start + contact.velocity * self.h;
+        let at = |positions: &[Vec3]| rest.apply(&contact.particles.map(|p| positions[p as usize]))[0];
+        let start = at(self.before) + contact.velocity * self.h;
+        let moved = at(self.predicted) - start;
+        rest.start = start;
+        rest.ahead = moved - contact.normal * contact.normal.dot(moved);
         rest
     }
 }
+
+/// Sweeps before friction begins: a depth is then the force that it stands for, not what was predicted without it. Too much of it
+/// would be hard to take back: it stops a body at once, and inertia alone moves it on.
+pub(crate) const DELAY: u32 = 4;
 
 /// What is done to a coloring when contacts come and go.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

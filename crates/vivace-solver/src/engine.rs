@@ -55,11 +55,12 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// The engine has no contacts; detection refuses what was predicted.
     fn collide(
         &mut self,
+        model: &Model,
         collisions: &mut Collisions,
         h: f32,
         report: &mut ContactReport,
     ) -> Result<(), SolverError> {
-        let _ = (collisions, h, report);
+        let _ = (model, collisions, h, report);
         Err(SolverError::NoCollisions)
     }
 

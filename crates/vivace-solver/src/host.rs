@@ -135,12 +135,18 @@ impl Engine for Host {
 
     fn collide(
         &mut self,
+        model: &Model,
         collisions: &mut Collisions,
         h: f32,
         report: &mut ContactReport,
     ) -> Result<(), SolverError> {
         collisions.detect(&self.before, &self.predicted, h, report)?;
-        let change = self.framework.set_contacts(&collisions.found(&self.before, h))?;
+        let change = self.framework.set_contacts(&collisions.found(
+            model.masses(),
+            &self.before,
+            &self.predicted,
+            h,
+        ))?;
         report.add(&change);
         Ok(())
     }

@@ -2,8 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "what fails here fails a test")]
 
+#[path = "../../../crates/vivace-collision/tests/common/mod.rs"]
+mod common;
+
 mod budgets;
 mod conservation;
+mod contacts;
 mod convergence;
 mod determinism;
 mod extremes;

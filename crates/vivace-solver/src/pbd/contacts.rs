@@ -161,7 +161,9 @@ fn correct(rest: &Contact, particles: &[u32; 4], xpbd: &Xpbd, q: &[Vec4], lambda
     let [aq] = rest.apply(&corners(particles, q));
     let along = (lambda.w + omega * scale * (rest.depth(aq) - compliance * lambda.w)).max(0.0);
     let held = lambda.truncate();
-    let mut across = held - (rest.slip(aq) + held * compliance) * (omega * scale);
+    let moved = aq - rest.start;
+    let slip = moved - rest.normal * rest.normal.dot(moved);
+    let mut across = held - (slip + held * compliance) * (omega * scale);
     let (most, length) = (rest.friction * along, across.length());
     if length > most {
         across *= most / length;

@@ -9,7 +9,7 @@ use vivace_kernels::constraint::{Constraint, Contact};
 
 use super::points::Points;
 use super::slices::Slices;
-use crate::contacts::{Found, STIFFNESS};
+use crate::contacts::{DELAY, Found, STIFFNESS};
 use crate::parallel::sum;
 
 /// Contacts, and who has them.
@@ -22,6 +22,8 @@ pub(super) struct Contacts {
     slots: Vec<u32>,
     /// By slice: a bit for each lane whose vertex has contacts.
     masks: Vec<u8>,
+    /// Sweeps since the step began.
+    n_sweeps: u32,
 }
 
 impl Contacts {
@@ -34,6 +36,7 @@ impl Contacts {
         slices: &Slices,
     ) {
         let n_free = inverse_diagonal.len();
+        self.n_sweeps = 0;
         self.particles.clear();
         self.rest.clear();
         for k in 0..found.contacts.len() {
@@ -108,8 +111,12 @@ impl Contacts {
         self.rest.iter().any(|rest| rest.friction > 0.0)
     }
 
-    /// The local step of friction: how much it may hold.
+    /// The local step of friction, before each sweep: how much it may hold.
     pub(super) fn lag(&mut self, q: &Points) {
+        self.n_sweeps = self.n_sweeps.saturating_add(1);
+        if self.n_sweeps <= DELAY {
+            return;
+        }
         for (particles, rest) in self.particles.iter().zip(&mut self.rest) {
             if rest.friction > 0.0 {
                 let [aq] = rest.apply(&corners(particles, q));

@@ -329,9 +329,6 @@ impl Stages for ProjectiveDynamics {
     }
 
     fn project(&mut self) {
-        if let Some(all) = &mut self.contacts {
-            all.0.lag(&self.q);
-        }
         if self.is_fused() {
             return;
         }
@@ -361,6 +358,9 @@ impl Stages for ProjectiveDynamics {
 
     fn relax_color(&mut self, color: u32, omega: f32) {
         let color = color as usize;
+        if color == 0 {
+            self.lag();
+        }
         if color >= self.layout.classes.len() {
             self.relax_moved(color, omega);
             return;
@@ -390,6 +390,9 @@ impl Stages for ProjectiveDynamics {
 
     fn relax_color_from_previous(&mut self, color: u32, omega: f32) {
         let color = color as usize;
+        if color == 0 {
+            self.lag();
+        }
         let mut steps = std::mem::take(&mut self.steps);
         self.of_color(color, &mut steps, |slice| self.step(slice, &self.q, 1.0, Turn::Class));
         for (&vertex, step) in self.moved_to(color).iter().zip(self.steps_of_moved(color, 1.0)) {
@@ -413,6 +416,7 @@ impl Stages for ProjectiveDynamics {
     }
 
     fn relax_all(&mut self, omega: f32) {
+        self.lag();
         let mut steps = std::mem::take(&mut self.steps);
         self.of_all(&mut steps, |slice| self.step(slice, &self.q, 1.0, Turn::All));
         let n_free = self.layout.n_free;
@@ -423,6 +427,7 @@ impl Stages for ProjectiveDynamics {
     }
 
     fn relax_in_order(&mut self, omega: f32) {
+        self.lag();
         for k in 0..self.in_order.len() {
             let i = self.in_order[k] as usize;
             self.q.set(i, self.q.get(i) + self.step_of(i, omega));

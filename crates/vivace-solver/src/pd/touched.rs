@@ -104,6 +104,13 @@ impl ProjectiveDynamics {
         }
     }
 
+    /// Before each sweep.
+    pub(super) fn lag(&mut self) {
+        if let Some(all) = &mut self.contacts {
+            all.0.lag(&self.q);
+        }
+    }
+
     /// Takes the contacts of a (small) step, before it begins.
     pub(super) fn take_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {
         if found.contacts.is_empty() && self.contacts.is_none() {

@@ -1,0 +1,342 @@
+//! Contacts: rest, momentum, friction, and that nothing passes through.
+
+use glam::{DVec3, Quat, Vec3};
+use vivace_collision::{Obstacle, Options, Pose, Shape};
+use vivace_mesh::{TriMesh, ball, cloth};
+use vivace_model::{Forces, Model, ModelBuilder, State};
+use vivace_solver::{
+    Base, Budget, Collisions, ContactReport, Framework, LocalStep, Recoloring, Relaxation, Solver,
+    SolverError, StepReport, System, VertexSolve,
+};
+use vivace_tests::scenes::{Scene, gauss_seidel, plain};
+
+use crate::common::{Random, intersection, outside};
+use crate::{NO_FORCE, moment};
+
+const H: f32 = 1.0 / 60.0;
+
+fn frameworks() -> [Framework; 4] {
+    let pd = |local, vertex| Framework::ProjectiveDynamics { local, vertex };
+    [
+        Framework::default(),
+        Framework::FUSED,
+        pd(LocalStep::Fused, VertexSolve::Block),
+        Framework::PositionBased,
+    ]
+}
+
+/// Cloths of `n` × `n` particles, 0.04 m apart, each placed.
+fn cloths(n: usize, places: &[Pose]) -> Scene {
+    let flat = cloth::regular(n, n, 0.04).unwrap();
+    let half = 0.02 * (n - 1) as f32 * Vec3::new(1.0, 0.0, 1.0);
+    let mut builder = ModelBuilder::new();
+    for place in places {
+        let placed = flat.positions().iter().map(|p| place.rotation * (*p - half) + place.position).collect();
+        let mesh = TriMesh::new(placed, flat.triangles().to_vec()).unwrap();
+        let first = builder.cloth(&mesh, 0.2).unwrap();
+        builder.springs(first, &mesh.edges(), 100.0).unwrap();
+        builder.hinges(first, &mesh.hinges(), 1e-5, false).unwrap();
+    }
+    builder.build().unwrap()
+}
+
+fn options(friction: f32) -> Options {
+    Options { friction, ..Options::new(0.01) }
+}
+
+fn system(scene: &Scene, solver: Solver, options: Options, obstacles: &[Obstacle]) -> System {
+    let mut collisions = Collisions::new(&scene.0, &scene.1.positions, options).unwrap();
+    collisions.obstacles_mut().extend_from_slice(obstacles);
+    let mut system = System::new(scene.0.clone(), solver).unwrap();
+    system.set_collisions(Some(collisions)).unwrap();
+    system
+}
+
+fn sphere(radius: f32, friction: f32) -> Obstacle {
+    Obstacle::fixed(Shape::Sphere { radius }, Pose::IDENTITY, friction)
+}
+
+fn floor(y: f32, friction: f32) -> Obstacle {
+    Obstacle::fixed(Shape::Plane, Pose::at(Vec3::new(0.0, y, 0.0)), friction)
+}
+
+fn fastest(state: &State) -> f32 {
+    state.velocities.iter().map(|v| v.length()).fold(0.0, f32::max)
+}
+
+/// Nothing intersects, nobody is inside.
+fn assert_clean(model: &Model, state: &State, obstacles: &[Obstacle], what: &str) {
+    let found = intersection(&state.positions, &model.surface().to_vec());
+    assert_eq!(found, None, "{what}");
+    for obstacle in obstacles {
+        let inside = state.positions.iter().position(|&p| !outside(obstacle, p, -1e-6));
+        assert_eq!(inside, None, "{what}: inside of {obstacle:?}");
+    }
+}
+
+#[test]
+fn a_cloth_at_rest_on_a_sphere_stays_at_rest() {
+    for framework in frameworks() {
+        let scene = cloths(17, &[Pose::at(Vec3::new(0.01, 0.33, -0.02))]);
+        let obstacles = [sphere(0.3, 0.6)];
+        let solver = Solver { framework, ..Solver::default() };
+        let mut system = system(&scene, solver, options(0.3), &obstacles);
+        let mut state = scene.1.clone();
+        let forces = Forces { damping: 1.0, ..Forces::default() };
+        let mut run = |n: u32, state: &mut State| {
+            let mut last = StepReport::default();
+            for _ in 0..n {
+                last = system.step(state, &forces, H, Budget::iterations(30)).unwrap();
+            }
+            last
+        };
+        run(240, &mut state);
+        let before = state.positions.clone();
+        let report = run(30, &mut state);
+        let moved = crate::distance(&before, &state.positions);
+        println!("{framework:?}: {} m/s, moved {moved} m, {:?}", fastest(&state), report.contacts);
+        assert!(report.contacts.contacts > 30, "{framework:?}: {:?}", report.contacts);
+        assert!(fastest(&state) < 0.02 && moved < 0.005, "{framework:?}: {} m/s, {moved} m", fastest(&state));
+        assert!(report.contacts.deepest < 0.01, "{framework:?}: {:?}", report.contacts);
+        assert_clean(&scene.0, &state, &obstacles, "at rest");
+    }
+}
+
+#[test]
+fn momentum_of_colliding_bodies_is_kept() {
+    for framework in frameworks() {
+        for friction in [0.0, 0.5] {
+            let up = Pose { rotation: Quat::from_rotation_x(0.3), ..Pose::at(Vec3::new(0.05, 0.06, 0.03)) };
+            let (model, mut state) = cloths(9, &[Pose::IDENTITY, up]);
+            let scene = (model.clone(), state.clone());
+            let half = state.velocities.len() / 2;
+            state.velocities[half..].fill(Vec3::new(0.3, -2.0, 0.1));
+            let momentum = |state: &State| moment(&model, state.velocities.iter().map(|v| v.as_dvec3()));
+            let before = momentum(&state);
+            let solver = Solver { framework, ..Solver::default() };
+            // Projections keep momentum one by one; sweeps over vertices only once they have converged.
+            let (n_iterations, most) =
+                if framework == Framework::PositionBased { (20, 1e-4) } else { (600, 0.02) };
+            let mut system = system(&scene, solver, options(friction), &[]);
+            let mut seen = ContactReport::default();
+            for _ in 0..10 {
+                let report = system.step(&mut state, &NO_FORCE, H, Budget::iterations(n_iterations)).unwrap();
+                seen.contacts += report.contacts.contacts;
+                seen.held_back += report.contacts.held_back;
+            }
+            let off = (momentum(&state) - before).length() / before.length();
+            let passed = moment(
+                &model,
+                state.velocities.iter().enumerate().map(
+                    |(k, v)| {
+                        if k < half { v.as_dvec3() } else { DVec3::ZERO }
+                    },
+                ),
+            );
+            println!("{framework:?} {friction}: {off}, {passed} of {before}, {seen:?}");
+            assert!(seen.contacts > 100 && passed.y < 0.2 * before.y, "{framework:?}: nothing collided");
+            assert!(off < most, "{framework:?}, friction {friction}: {off}");
+            assert_clean(&model, &state, &[], "after the collision");
+        }
+    }
+}
+
+/// A small cloth on a slope of `degrees`, under friction 0.5 = tan 26.6°: how far it is down the slope after a second \[m\].
+fn slid(framework: Framework, degrees: f32) -> f32 {
+    let scene = cloths(4, &[Pose::at(Vec3::new(0.0, 0.0101, 0.0))]);
+    let solver = Solver { framework, ..Solver::default() };
+    let mut system = system(&scene, solver, options(0.0), &[floor(0.0, 0.5)]);
+    let (mut state, turn) = (scene.1.clone(), degrees.to_radians());
+    let gravity = 9.81 * Vec3::new(turn.sin(), -turn.cos(), 0.0);
+    let forces = Forces { gravity, ..NO_FORCE };
+    for _ in 0..60 {
+        system.step(&mut state, &forces, H, Budget::iterations(40)).unwrap();
+    }
+    let mean = |q: &[Vec3]| q.iter().map(|q| q.x).sum::<f32>() / q.len() as f32;
+    mean(&state.positions) - mean(&scene.1.positions)
+}
+
+#[test]
+fn friction_holds_below_the_cone_and_slides_above_it() {
+    for framework in frameworks() {
+        let held = slid(framework, 24.0);
+        let (angle, free) = (30.0_f32.to_radians(), slid(framework, 30.0));
+        let expected = 0.5 * 9.81 * (angle.sin() - 0.5 * angle.cos());
+        println!("{framework:?}: {held} m at 24°, {free} m of {expected} at 30°");
+        assert!(held.abs() < 0.005, "{framework:?}: slides by {held} m below the cone");
+        assert!((free / expected - 1.0).abs() < 0.15, "{framework:?}: slides by {free} m, not {expected}");
+    }
+}
+
+/// Sheets thrown at sheets and at obstacles with up to 20 m/s, half a metre in a frame.
+#[test]
+fn nothing_passes_through() {
+    let mut random = Random::new(3);
+    for k in 0..8 {
+        let turn = |random: &mut Random| Quat::from_scaled_axis(random.vector() * 1.5);
+        let places: Vec<Pose> = (0..3)
+            .map(|i| Pose {
+                position: Vec3::new(0.0, 0.55 + 0.35 * i as f32, 0.0),
+                rotation: turn(&mut random),
+            })
+            .collect();
+        let scene = cloths(7, &places);
+        let mut state = scene.1.clone();
+        let n = state.velocities.len() / 3;
+        for (body, velocities) in state.velocities.chunks_mut(n).enumerate() {
+            let speed = 10.0 * (1.0 + random.signed());
+            let spread = random.vector();
+            velocities.fill(speed * (Vec3::NEG_Y + 0.2 * spread) * if body == 0 { 0.3 } else { 1.0 });
+        }
+        let box_ = Shape::Cuboid { half_extent: Vec3::new(0.2, 0.1, 0.2) };
+        let obstacle = match k % 3 {
+            0 => sphere(0.25, 0.4),
+            1 => Obstacle::fixed(box_, Pose::IDENTITY, 0.4),
+            _ => Obstacle::fixed(Shape::Capsule { half_length: 0.2, radius: 0.1 }, Pose::IDENTITY, 0.4),
+        };
+        let obstacles = [obstacle, floor(-0.4, 0.4)];
+        let framework = frameworks()[k % 4];
+        let solver = Solver { framework, ..Solver::default() };
+        let mut system = system(&scene, solver, options(0.3), &obstacles);
+        for frame in 0..40 {
+            let report = system.step(&mut state, &Forces::default(), H, Budget::iterations(10)).unwrap();
+            assert_eq!(report.contacts.left_out, 0);
+            assert_clean(&scene.0, &state, &obstacles, &format!("drop {k}, frame {frame}, {framework:?}"));
+        }
+    }
+}
+
+/// A heap of nine cloths in a corner of the room: finite and inside, colors as they were.
+#[test]
+fn a_heap_stays_finite_and_inside() {
+    let places: Vec<Pose> = (0..9)
+        .map(|k| Pose {
+            position: Vec3::new(0.02 * (k % 3) as f32, 0.1 + 0.08 * k as f32, 0.03 * (k % 2) as f32),
+            rotation: Quat::from_rotation_y(0.4 * k as f32),
+        })
+        .collect();
+    let scene = cloths(8, &places);
+    let obstacles = [sphere(0.08, 0.5), floor(-0.08, 0.5)];
+    let mut system = system(&scene, Solver::default(), options(0.3), &obstacles);
+    let (mut state, mut most) = (scene.1.clone(), [0; 2]);
+    for frame in 0..160 {
+        let report = system.step(&mut state, &Forces::default(), H, Budget::iterations(8)).unwrap();
+        let half = frame / 80;
+        most[half] = most[half].max(report.colors);
+        assert!(extent(&state) < 3.0, "frame {frame}");
+        if frame % 40 == 39 {
+            assert_clean(&scene.0, &state, &obstacles, &format!("frame {frame}"));
+        }
+    }
+    println!("colors: {most:?}");
+    assert!(most[1] <= most[0] + 2, "{most:?}");
+    assert!(fastest(&state) < 1.0, "{}", fastest(&state));
+}
+
+fn extent(state: &State) -> f32 {
+    state
+        .positions
+        .iter()
+        .map(|p| if p.is_finite() { p.abs().max_element() } else { f32::INFINITY })
+        .fold(0.0, f32::max)
+}
+
+/// Where two balls and a cloth end that fall on one another, and all that was reported.
+fn on_threads(solver: Solver, recoloring: Recoloring, n_threads: usize) -> (State, Vec<ContactReport>) {
+    let mut builder = ModelBuilder::new();
+    let sheet = cloth::regular(40, 40, 0.04).unwrap();
+    let first = builder.cloth(&sheet, 0.2).unwrap();
+    builder.springs(first, &sheet.edges(), 100.0).unwrap();
+    for at in [Vec3::new(0.7, 0.215, 0.7), Vec3::new(0.9, 0.63, 0.8)] {
+        let mesh = ball::layered(4, 0.2).unwrap();
+        let placed: Vec<Vec3> = mesh.positions().iter().map(|p| *p + at).collect();
+        let mesh = vivace_mesh::TetMesh::new(placed, mesh.tets().to_vec()).unwrap();
+        let first = builder.volume(&mesh, 500.0).unwrap();
+        builder.springs(first, &mesh.edges(), 500.0).unwrap();
+    }
+    let scene = builder.build().unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+    pool.install(|| {
+        let mut system = system(&scene, solver, options(0.3), &[floor(-0.3, 0.5)]);
+        system.collisions_mut().unwrap().recoloring = recoloring;
+        let mut state = scene.1.clone();
+        let mut reports = Vec::new();
+        for _ in 0..5 {
+            reports.push(
+                system.step(&mut state, &Forces::default(), H, Budget::iterations(7)).unwrap().contacts,
+            );
+        }
+        (state, reports)
+    })
+}
+
+#[test]
+fn threads_do_not_show_in_contacts() {
+    for framework in frameworks() {
+        for relaxation in [
+            Relaxation::default(),
+            Relaxation::GaussSeidel { omega: 1.2, base: Base::PreviousInPlace },
+            Relaxation::Jacobi { omega: 2.0 / 3.0 },
+        ] {
+            let solver = Solver { framework, relaxation, substeps: 2, ..Solver::default() };
+            let one = on_threads(solver, Recoloring::Incremental, 1);
+            assert!(one.1.iter().any(|report| report.contacts > 20), "{:?}", one.1.last());
+            for n_threads in [2, 7] {
+                assert!(
+                    on_threads(solver, Recoloring::Incremental, n_threads) == one,
+                    "{solver:?} on {n_threads}"
+                );
+            }
+        }
+    }
+}
+
+/// Graph and coloring change in proportion to the contacts, whichever way it is colored.
+#[test]
+fn recoloring_is_reported() {
+    let solver = plain(gauss_seidel(1.0));
+    let (incremental, full) =
+        (on_threads(solver, Recoloring::Incremental, 1).1, on_threads(solver, Recoloring::Full, 1).1);
+    assert!(incremental.iter().any(|report| report.recolored > 0), "{incremental:?}");
+    for (incremental, full) in incremental.iter().zip(&full).filter(|(report, _)| report.changed_edges > 0) {
+        assert!(10 * incremental.visited[0] < full.visited[0], "{incremental:?} {full:?}");
+    }
+}
+
+#[test]
+fn a_scene_without_contacts_is_as_it_was() {
+    let scene = cloths(9, &[Pose::IDENTITY]);
+    let far = [floor(-100.0, 0.5)];
+    for framework in frameworks() {
+        let solver = Solver { framework, ..Solver::default() };
+        let mut colliding = system(&scene, solver, options(0.3), &far);
+        let mut alone = System::new(scene.0.clone(), solver).unwrap();
+        let (mut a, mut b) = (scene.1.clone(), scene.1.clone());
+        for _ in 0..5 {
+            let with = colliding.step(&mut a, &Forces::default(), H, Budget::iterations(10)).unwrap();
+            let without = alone.step(&mut b, &Forces::default(), H, Budget::iterations(10)).unwrap();
+            assert_eq!((with.contacts.contacts, without.contacts), (0, ContactReport::default()));
+            assert_eq!(a, b, "{framework:?}");
+        }
+    }
+}
+
+#[test]
+fn what_has_no_contacts_says_so_and_changes_nothing() {
+    let scene = cloths(4, &[Pose::IDENTITY]);
+    let collisions = || Collisions::new(&scene.0, &scene.1.positions, options(0.0)).unwrap();
+    let direct = Solver { relaxation: Relaxation::Direct, ..Solver::default() };
+    let mut system = System::new(scene.0.clone(), direct).unwrap();
+    assert!(matches!(system.set_collisions(Some(collisions())), Err(SolverError::NoContacts { .. })));
+    assert!(system.collisions().is_none());
+    system.set_solver(Solver::default()).unwrap();
+    system.set_collisions(Some(collisions())).unwrap();
+    assert!(matches!(system.set_solver(direct), Err(SolverError::NoContacts { .. })));
+    assert_eq!(system.solver(), Solver::default());
+    // An obstacle that cannot be: the state stays.
+    system.collisions_mut().unwrap().obstacles_mut().push(sphere(-1.0, 0.0));
+    let mut state = scene.1.clone();
+    let error = system.step(&mut state, &Forces::default(), H, Budget::iterations(5)).unwrap_err();
+    assert!(matches!(error, SolverError::Collision(_)), "{error}");
+    assert_eq!(state, scene.1);
+}
