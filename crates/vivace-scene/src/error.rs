@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use vivace_mesh::MeshError;
 use vivace_model::ModelError;
 
+use crate::ObstacleError;
+
 /// Why a scene is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -53,6 +55,14 @@ pub enum SceneError {
         shape: &'static str,
         /// What is wrong with it.
         source: BodyError,
+    },
+    /// An obstacle cannot be made.
+    #[error("obstacle {obstacle}: {source}")]
+    Obstacle {
+        /// Which, from 0.
+        obstacle: usize,
+        /// What is wrong with it.
+        source: ObstacleError,
     },
     /// The bodies do not make a model together.
     #[error(transparent)]

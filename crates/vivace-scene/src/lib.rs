@@ -18,6 +18,7 @@
 //! SI units throughout: \[m\], \[kg\], \[s\], \[N\]; y is up. What is left out of a file has its default; what a file has too much is refused.
 
 mod body;
+mod collisions;
 mod error;
 mod material;
 mod ready;
@@ -26,9 +27,10 @@ mod select;
 mod shape;
 
 pub use body::{Attach, Body};
+pub use collisions::{Collisions, Obstacle, ObstacleError, Solid};
 pub use error::{BodyError, SceneError};
 pub use material::{Bending, ClothStrain, Material, VolumeStiffness};
-pub use ready::{armadillo, beam, curtain, tablecloth};
+pub use ready::{armadillo, beam, curtain, drape, tablecloth};
 pub use scene::Scene;
 pub use select::Select;
 pub use shape::{Pattern, Shape, Source};

@@ -3,11 +3,13 @@
 use glam::Vec3;
 use vivace_model::{Forces, Wind};
 
-use crate::{Body, Material, Pattern, Scene, Select, Shape, Source, VolumeStiffness};
+use crate::{
+    Body, Collisions, Material, Obstacle, Pattern, Scene, Select, Shape, Solid, Source, VolumeStiffness,
+};
 
 impl Scene {
     /// Names that [`Scene::named`] knows.
-    pub const NAMES: [&str; 4] = ["tablecloth", "armadillo", "beam", "curtain"];
+    pub const NAMES: [&str; 5] = ["tablecloth", "armadillo", "beam", "curtain", "drape"];
 
     /// A ready-made scene, in the size of its file in `assets/scenes/`.
     #[must_use]
@@ -17,6 +19,7 @@ impl Scene {
             "armadillo" => Some(armadillo(10_000)),
             "beam" => Some(beam()),
             "curtain" => Some(curtain()),
+            "drape" => Some(drape(100)),
             _ => None,
         }
     }
@@ -94,6 +97,23 @@ pub fn curtain() -> Scene {
             wind: Some(Wind { velocity: Vec3::new(0.5, 0.0, 2.5), drag: 0.3 }),
             ..Forces::default()
         },
+        ..Scene::default()
+    }
+}
+
+/// A cloth of `n` × `n` vertices and 0.99 m, dropped from 0.1 m above on a sphere of 0.3 m that stands on the floor: 60 frames a
+/// second, collisions with itself, friction 0.3. With n = 100: workload C of the rivals' bench.
+#[must_use]
+pub fn drape(n: usize) -> Scene {
+    let spacing = 0.99 / (n as f32 - 1.0);
+    let shape = Shape::Cloth { width: n, height: n, spacing, pattern: Pattern::Regular };
+    let sphere = Obstacle { at: Vec3::new(0.0, 0.3, 0.0), ..Obstacle::new(Solid::Sphere { radius: 0.3 }) };
+    let floor = Obstacle::new(Solid::Plane);
+    Scene {
+        name: "drape".to_owned(),
+        bodies: vec![Body { at: Vec3::new(-0.495, 0.7, -0.495), ..Body::new(shape, Material::cloth()) }],
+        time_step: 1.0 / 60.0,
+        collisions: Some(Collisions::new(0.4 * spacing, vec![sphere, floor])),
         ..Scene::default()
     }
 }

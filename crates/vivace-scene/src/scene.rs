@@ -7,7 +7,7 @@ use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 use vivace_model::{Forces, Model, ModelBuilder, State, check_time_step};
 
-use crate::{Body, SceneError};
+use crate::{Body, Collisions, SceneError};
 
 /// Bodies, and what acts on them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,12 +21,21 @@ pub struct Scene {
     pub forces: Forces,
     /// Time from frame to frame \[s\].
     pub time_step: f32,
+    /// Whether and with what bodies collide; left out, they pass through one another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub collisions: Option<Collisions>,
 }
 
 impl Default for Scene {
     /// Nothing under gravity, at 30 frames a second.
     fn default() -> Self {
-        Self { name: String::new(), bodies: Vec::new(), forces: Forces::default(), time_step: 1.0 / 30.0 }
+        Self {
+            name: String::new(),
+            bodies: Vec::new(),
+            forces: Forces::default(),
+            time_step: 1.0 / 30.0,
+            collisions: None,
+        }
     }
 }
 

@@ -129,8 +129,8 @@ impl Shape {
 }
 
 impl Source {
-    fn distance(&self, folder: &Path) -> Result<Box<dyn SignedDistance>, BodyError> {
-        let blend = |text: &str| Ok(Box::new(text.parse::<Blend>()?) as Box<dyn SignedDistance>);
+    pub(crate) fn distance(&self, folder: &Path) -> Result<Box<dyn SignedDistance + Sync>, BodyError> {
+        let blend = |text: &str| Ok(Box::new(text.parse::<Blend>()?) as Box<dyn SignedDistance + Sync>);
         match self {
             Self::Dillo => blend(DILLO),
             Self::Hare => blend(HARE),

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 use vivace_scene::Scene;
-use vivace_solver::{Budget, Solver, StepReport, System};
+use vivace_solver::collision::Obstacle;
+use vivace_solver::{Budget, Collisions, Solver, SolverError, StepReport, System};
 
 use crate::{Backend, SimError, Snapshot, Vec3};
 
@@ -21,6 +22,8 @@ pub struct Simulation {
     time_step: f32,
     frame: u64,
     time: f64,
+    /// Where the scene's obstacles stand at the start, and how fast they move \[m/s\].
+    obstacles: Vec<(Obstacle, Vec3)>,
 }
 
 impl Simulation {
@@ -37,8 +40,7 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn new_in(scene: &Scene, folder: &Path, solver: Solver) -> Result<Self, SimError> {
-        let (model, state) = scene.build(folder)?;
-        Self::from_model(model, state, scene.forces, scene.time_step, solver)
+        Self::build(scene, folder, solver, Backend::cpu())
     }
 
     /// Reads and builds a scene file (.ron or .json); files of meshes are looked for beside it.
@@ -56,8 +58,54 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::new`]; what the backend does not do, or does not hold.
     pub fn new_on(scene: &Scene, solver: Solver, backend: Backend) -> Result<Self, SimError> {
-        let (model, state) = scene.build(Path::new("."))?;
-        Self::from_model_on(model, state, scene.forces, scene.time_step, solver, backend)
+        Self::build(scene, Path::new("."), solver, backend)
+    }
+
+    fn build(scene: &Scene, folder: &Path, solver: Solver, backend: Backend) -> Result<Self, SimError> {
+        let (model, state) = scene.build(folder)?;
+        let mut simulation =
+            Self::from_model_on(model, state, scene.forces, scene.time_step, solver, backend)?;
+        if let Some(collisions) = &scene.collisions {
+            simulation.set_collisions(Some(collisions), folder)?;
+        }
+        Ok(simulation)
+    }
+
+    /// Lets the model collide from where it is now, which is taken as its shape at rest and should not intersect itself; or no more.
+    /// Files of obstacles are looked for in `folder`.
+    ///
+    /// # Errors
+    /// A thickness that the mesh is too fine for; an obstacle that cannot be; a solver or a backend that has no collisions.
+    pub fn set_collisions(
+        &mut self,
+        collisions: Option<&vivace_scene::Collisions>,
+        folder: &Path,
+    ) -> Result<(), SimError> {
+        let Some(of) = collisions else {
+            self.obstacles.clear();
+            return Ok(self.system.set_collisions(None)?);
+        };
+        let standing = of.obstacles(folder)?;
+        let collisions = Collisions::new(self.model(), &self.state.positions, of.options());
+        self.system.set_collisions(Some(collisions.map_err(SolverError::Collision)?))?;
+        let velocities = of.obstacles.iter().map(|obstacle| obstacle.velocity);
+        self.obstacles = standing.into_iter().zip(velocities).collect();
+        Ok(())
+    }
+
+    /// Puts the obstacles where they are in this frame.
+    fn place_obstacles(&mut self) {
+        let (start, end) = (self.time, self.time + f64::from(self.time_step));
+        let Some(collisions) = self.system.collisions_mut() else { return };
+        let obstacles = collisions.obstacles_mut();
+        obstacles.clear();
+        for (obstacle, velocity) in &self.obstacles {
+            let mut obstacle = obstacle.clone();
+            let position = obstacle.from.position.as_dvec3();
+            let at = |time: f64| (position + velocity.as_dvec3() * time).as_vec3();
+            (obstacle.from.position, obstacle.to.position) = (at(start), at(end));
+            obstacles.push(obstacle);
+        }
     }
 
     /// A model of your own, with `time_step` \[s\] from frame to frame.
@@ -91,7 +139,7 @@ impl Simulation {
         forces.check()?;
         check_time_step(time_step)?;
         let system = backend.system(model, solver)?;
-        Ok(Self { system, state, forces, time_step, frame: 0, time: 0.0 })
+        Ok(Self { system, state, forces, time_step, frame: 0, time: 0.0, obstacles: Vec::new() })
     }
 
     /// The next frame.
@@ -99,6 +147,7 @@ impl Simulation {
     /// # Errors
     /// A budget or force that cannot be; a result that is not finite; a GPU that fails or is lost. The simulation is then as it was.
     pub fn step(&mut self, budget: Budget) -> Result<StepReport, SimError> {
+        self.place_obstacles();
         let report = self.system.step(&mut self.state, &self.forces, self.time_step, budget)?;
         self.frame += 1;
         self.time += f64::from(self.time_step);
@@ -226,6 +275,7 @@ impl Simulation {
             time_step: self.time_step,
             forces: self.forces,
             ease: self.system.ease(),
+            contacts: self.system.contact_memory(),
             targets: self.targets().collect(),
             state: self.state.clone(),
         }
@@ -250,12 +300,15 @@ impl Simulation {
             let (what, value) = ("the time of the snapshot [s]", snapshot.time as f32);
             return Err(ModelError::Value { what, value, need: "finite" }.into());
         }
+        let contacts = self.system.contact_memory();
+        self.system.set_contact_memory(&snapshot.contacts)?;
         let before: Vec<Vec3> = self.targets().collect();
         for (attachment, &target) in snapshot.targets.iter().enumerate() {
             if let Err(error) = self.set_target(attachment, target) {
                 for (attachment, &target) in before.iter().enumerate() {
                     self.set_target(attachment, target)?;
                 }
+                self.system.set_contact_memory(&contacts)?;
                 return Err(error);
             }
         }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use vivace_model::{Forces, State};
-use vivace_solver::Ease;
+use vivace_solver::{ContactMemory, Ease};
 
 use crate::{SimError, Vec3};
 
@@ -20,6 +20,9 @@ pub struct Snapshot {
     pub forces: Forces,
     /// What the safeguard remembers.
     pub ease: Ease,
+    /// What the coloring remembers of contacts.
+    #[serde(default)]
+    pub contacts: ContactMemory,
     /// Where each attachment pulls to \[m\].
     pub targets: Vec<Vec3>,
     /// Positions and velocities.

@@ -189,3 +189,51 @@ fn the_memory_of_the_safeguard_has_a_name() {
     let snapshot = Simulation::new(&held(), Solver::default()).unwrap().snapshot();
     assert_eq!(snapshot.ease, Ease::default());
 }
+
+/// A snapshot in the middle of a collision, through text, into another simulation: the same frames, bit for bit.
+#[test]
+fn a_snapshot_among_contacts_resumes_bit_for_bit() {
+    let mut scene = vivace_sim::scene::drape(14);
+    let mut above = scene.bodies[0].clone();
+    above.at += Vec3::new(0.1, 0.06, 0.07);
+    above.rotate = Vec3::new(0.0, 20.0, 0.0);
+    above.velocity = Vec3::new(0.0, -3.0, 0.0);
+    scene.bodies.push(above);
+    let budget = Budget::iterations(6);
+    let mut one = Simulation::new(&scene, Solver::default()).unwrap();
+    let mut recolored = 0;
+    for _ in 0..20 {
+        recolored += one.step(budget).unwrap().contacts.recolored;
+    }
+    assert!(recolored > 0, "nobody had to give way");
+    let text = one.snapshot().to_json().unwrap();
+    let snapshot = vivace_sim::Snapshot::from_json(&text).unwrap();
+    assert_eq!(snapshot, one.snapshot());
+    let mut other = Simulation::new(&scene, Solver::default()).unwrap();
+    other.restore(&snapshot).unwrap();
+    for frame in 0..10 {
+        assert_eq!(one.step(budget).unwrap().contacts, other.step(budget).unwrap().contacts, "frame {frame}");
+        assert_eq!(one.state(), other.state(), "frame {frame}");
+    }
+    // That of another scene is refused, and changes nothing.
+    let mut small = Simulation::new(&vivace_sim::scene::drape(5), Solver::default()).unwrap();
+    let wrong = vivace_sim::Snapshot { contacts: snapshot.contacts, ..small.snapshot() };
+    let before = small.snapshot();
+    assert!(small.restore(&wrong).is_err());
+    assert_eq!(small.snapshot(), before);
+}
+
+/// An obstacle that moves takes along what lies on it.
+#[test]
+fn a_moving_obstacle_carries() {
+    let mut scene = vivace_sim::scene::drape(10);
+    let collisions = scene.collisions.as_mut().unwrap();
+    collisions.obstacles[0].velocity = Vec3::new(0.0, 0.5, 0.0);
+    let mut simulation = Simulation::new(&scene, Solver::default()).unwrap();
+    let mut report = simulation.step(Budget::iterations(20)).unwrap();
+    for _ in 0..60 {
+        report = simulation.step(Budget::iterations(20)).unwrap();
+    }
+    let top = simulation.positions().iter().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max);
+    assert!(report.contacts.contacts > 0 && (top - 1.108).abs() < 0.06, "{top} {report:?}");
+}

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use vivace_kernels::constraint;
 
 /// How much stiffer a contact is than what it holds: w Σ a²/Y_ii, where Y_ii is the diagonal without contacts. A particle that would
-/// end so far beyond the surface ends a part in so many and one of that deep. At 10, that is 0.25 mm for a particle on its own that
-/// falls for 1/60 s, and less for one that hangs on others. Stiffer contacts pass on an impact no better, and take more sweeps.
+/// end so far beyond the surface ends an eleventh of that deep: 0.25 mm for one on its own that falls for 1/60 s, and less for one
+/// that hangs on others.
 pub(crate) const STIFFNESS: f32 = 10.0;
 
 /// The contacts of a (small) step.
@@ -39,23 +39,22 @@ impl Found<'_> {
             stiffness,
             start: Vec3::ZERO,
             friction: contact.friction,
-            ahead: Vec3::ZERO,
-            limit: 0.0,
+            reach: f32::INFINITY,
+            ahead: 0.0,
             mobility: stiffness * self.h * self.h * (0..4).map(inverse_mass).sum::<f32>(),
-            padding: [0.0; 3],
+            padding: 0.0,
         };
         let at = |positions: &[Vec3]| rest.apply(&contact.particles.map(|p| positions[p as usize]))[0];
-        let start = at(self.before) + contact.velocity * self.h;
-        let moved = at(self.predicted) - start;
+        let (start, predicted) = (at(self.before) + contact.velocity * self.h, at(self.predicted));
         rest.start = start;
-        rest.ahead = moved - contact.normal * contact.normal.dot(moved);
+        rest.ahead = rest.slip(predicted).length();
         rest
     }
 }
 
 /// Sweeps before friction begins: a depth is then the force that it stands for, not what was predicted without it. Too much of it
 /// would be hard to take back: it stops a body at once, and inertia alone moves it on.
-pub(crate) const DELAY: u32 = 4;
+pub(crate) const DELAY: u32 = 5;
 
 /// What is done to a coloring when contacts come and go.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

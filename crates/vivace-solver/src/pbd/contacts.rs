@@ -161,9 +161,7 @@ fn correct(rest: &Contact, particles: &[u32; 4], xpbd: &Xpbd, q: &[Vec4], lambda
     let [aq] = rest.apply(&corners(particles, q));
     let along = (lambda.w + omega * scale * (rest.depth(aq) - compliance * lambda.w)).max(0.0);
     let held = lambda.truncate();
-    let moved = aq - rest.start;
-    let slip = moved - rest.normal * rest.normal.dot(moved);
-    let mut across = held - (slip + held * compliance) * (omega * scale);
+    let mut across = held - (rest.slip(aq) + held * compliance) * (omega * scale);
     let (most, length) = (rest.friction * along, across.length());
     if length > most {
         across *= most / length;
@@ -173,16 +171,14 @@ fn correct(rest: &Contact, particles: &[u32; 4], xpbd: &Xpbd, q: &[Vec4], lambda
     w.map(|w| (step * w).extend(0.0))
 }
 
-/// A color for each of `all`, by first fit: two that move the same particle differ. Work in proportion to the contacts.
+/// A color for each of `all`, by first fit: two that share a free particle differ. Work in proportion to the contacts.
 fn color(found: &Found<'_>, all: &[usize], q: &[Vec4]) -> Vec<u32> {
     let mut taken: Vec<Vec<u32>> = vec![Vec::new(); q.len()];
     let mut used = Vec::new();
     let mut colors = Vec::with_capacity(all.len());
     for &k in all {
-        let contact = &found.contacts[k];
-        let moves =
-            |slot: &usize| contact.weights[*slot] != 0.0 && q[contact.particles[*slot] as usize].w > 0.0;
-        let particles = (0..4).filter(moves).map(|slot| contact.particles[slot] as usize);
+        // Also those of weight 0: where they are shows in the rounding.
+        let particles = found.contacts[k].particles.iter().map(|&p| p as usize).filter(|&p| q[p].w > 0.0);
         used.clear();
         particles.clone().for_each(|p| used.extend_from_slice(&taken[p]));
         used.sort_unstable();

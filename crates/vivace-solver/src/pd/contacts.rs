@@ -86,12 +86,12 @@ impl Contacts {
         Self { offsets: vec![0; n_free + 1], masks: vec![0; slices.slices.len()], ..Self::default() }
     }
 
-    /// The vertices of each contact that it moves.
+    /// The vertices of each contact, also those of weight 0: where they are shows in the rounding.
     pub(super) fn vertices(&self, n_free: usize) -> impl Iterator<Item = ([u32; 4], usize)> {
-        self.particles.iter().zip(&self.rest).map(move |(particles, rest)| {
+        self.particles.iter().map(move |particles| {
             let (mut vertices, mut n) = ([0; 4], 0);
-            for (slot, &p) in particles.iter().enumerate() {
-                if (p as usize) < n_free && rest.weights[slot] != 0.0 {
+            for &p in particles {
+                if (p as usize) < n_free && !vertices[..n].contains(&p) {
                     vertices[n] = p;
                     n += 1;
                 }

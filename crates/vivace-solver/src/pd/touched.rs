@@ -22,8 +22,8 @@ pub(super) enum Turn {
 }
 
 impl ProjectiveDynamics {
-    /// The steps of a slice, with those of vertices that have contacts instead. They are not over-relaxed: beyond the surface there
-    /// is nothing to be gained.
+    /// The steps of a slice, with those of vertices that have contacts instead. They are not over-relaxed: a cloth on a sphere would
+    /// not come to rest.
     #[cold]
     pub(super) fn with_contacts(
         &self,
