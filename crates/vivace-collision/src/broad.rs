@@ -195,7 +195,7 @@ mod tests {
         let surface = Surface::new(&triangles, from.len()).unwrap();
         from[77].y = 1e6;
         let mut broad = Broad::default();
-        let found = broad.find(&surface, &from, &from, Vec3::ZERO, 0.1);
-        assert_eq!(found, brute(&surface, &from, &from, Vec3::ZERO, 0.1).len());
+        let found = broad.find(&surface, &from, &from, Vec3::ZERO, 0.6);
+        assert_eq!(found, brute(&surface, &from, &from, Vec3::ZERO, 0.6).len());
     }
 }

@@ -181,18 +181,27 @@ fn no_particle_gets_into_an_obstacle_that_stands() {
     assert!(put_out > 3000, "{put_out}");
 }
 
-/// A layer just above the floor, and one that presses on it: what they have in common leads into the floor.
+/// Layers half on a table, pressed on it: what they have in common leads into the table.
 #[test]
-fn a_layer_is_not_pressed_into_the_floor() {
-    let (flat, triangles) = sheet(5, SPACING);
-    let raised = |by: f32| flat.iter().map(|p| *p + by * Vec3::Y).collect::<Vec<_>>();
-    let (rest, triangles) = joined(&[(raised(0.0005), triangles.clone()), (raised(0.0015), triangles)]);
-    let mut to: Vec<Vec3> = (0..50).map(|k| rest[k] - if k < 25 { 1e-5 } else { 0.002 } * Vec3::Y).collect();
-    let floor = [Obstacle::fixed(Shape::Plane, Pose::IDENTITY, 0.0)];
-    let report = guard(&rest, &triangles).limit(&rest, &mut to, &floor).unwrap();
-    assert!(report.contacts > 0);
-    assert!(to.iter().all(|p| p.y > 0.0), "{to:?}");
-    assert_eq!(intersection(&to, &triangles), None);
+fn layers_are_not_pressed_into_a_table() {
+    let mut random = Random::new(8);
+    let (flat, triangles) = sheet(4, SPACING);
+    let table = Shape::Cuboid { half_extent: Vec3::new(1.0, 0.5, 1.0) };
+    let table = Obstacle::fixed(table, Pose::at(Vec3::new(-1.0, -0.5, 0.0)), 0.0);
+    let mut n_held = 0;
+    for _ in 0..300 {
+        let raised = |k: usize| {
+            let layer = flat.iter().map(|p| *p + (0.0003 + 0.0004 * k as f32) * Vec3::Y).collect();
+            (layer, triangles.clone())
+        };
+        let (rest, triangles) = joined(&[0, 1, 2].map(raised));
+        let mut to: Vec<Vec3> = rest.iter().map(|p| *p + 0.001 * (random.vector() - Vec3::Y)).collect();
+        n_held +=
+            guard(&rest, &triangles).limit(&rest, &mut to, std::slice::from_ref(&table)).unwrap().contacts;
+        assert!(to.iter().all(|p| common::outside(&table, *p, 0.0)), "{to:?}");
+        assert_eq!(intersection(&to, &triangles), None);
+    }
+    assert!(n_held > 3000, "{n_held}");
 }
 
 #[test]
