@@ -1,8 +1,7 @@
 //! A coloring that follows a graph for ever.
 
-use proptest::collection::vec;
 use proptest::prelude::*;
-use vivace_coloring::{Adjacency, Coloring, FollowWork, Follower, color};
+use vivace_coloring::{Coloring, FollowWork, Follower, color};
 use vivace_graph::{ConstraintGraph, DynamicGraph};
 use vivace_tests::oracle;
 use vivace_tests::random::Random;

@@ -35,16 +35,21 @@ struct Data {
     corners: Vec<[u32; 3]>,
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "any number will do")]
+fn any_number(random: &mut Random) -> f32 {
+    random.unit() as f32
+}
+
 impl Data {
     fn new(n: u32) -> Self {
         let mut random = Random::new(u64::from(n) + 3);
-        let mut unit = move || random.unit() as f32;
+        let mut unit = move || any_number(&mut random);
         let mut column = Random::new(5);
         let n_all = (n + N_FIXED) as usize;
         let vector = |_| Vec4::new(unit() - 0.5, unit() - 0.5, unit() - 0.5, (4.0 * unit()).floor());
         let vectors: Vec<Vec4> = (0..3 * n_all).map(vector).collect();
         let mut random = Random::new(u64::from(n) + 4);
-        let mut unit = move || random.unit() as f32;
+        let mut unit = move || any_number(&mut random);
         let n_rows = n.next_multiple_of(SLICE);
         let most = 9;
         let row = |i: u32| Row {
