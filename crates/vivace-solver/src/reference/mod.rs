@@ -24,6 +24,7 @@ use objective::Objective;
 pub struct Reference {
     model: Model,
     h: f64,
+    tolerance: f64,
     minimizer: Minimizer,
 }
 
@@ -85,7 +86,12 @@ impl Reference {
         #[expect(clippy::cast_possible_truncation, reason = "the bound need not be exact")]
         check_time_step(h as f32)?;
         let minimizer = Minimizer::new(Objective::new(model, h))?;
-        Ok(Self { model: model.clone(), h, minimizer })
+        Ok(Self { model: model.clone(), h, tolerance: TOLERANCE, minimizer })
+    }
+
+    /// Ends a solve at this gradient, in the unit of [`Answer::gradient`]: 10⁻⁹ unless told otherwise, and at least that.
+    pub fn set_tolerance(&mut self, gradient: f64) {
+        self.tolerance = gradient.max(TOLERANCE);
     }
 
     /// Moves the target of attachment `idx` \[m\].
@@ -98,7 +104,7 @@ impl Reference {
         Ok(())
     }
 
-    /// The answer of the step from `state`. Where rounding ends it before the gradient is 10⁻⁹, [`Answer::gradient`] says so.
+    /// The answer of the step from `state`. Where rounding ends it before the gradient is small enough, [`Answer::gradient`] says so.
     ///
     /// # Errors
     /// A state or forces that cannot be simulated; the Hessian cannot be factored.
@@ -126,7 +132,7 @@ impl Reference {
         let outer: f64 = free.map(|i| f64::from(masses[i]) * accelerations[i].length()).sum();
         let unit = if outer > 0.0 { outer } else { self.minimizer.gradient_norm(&predicted, &predicted) };
         let mut positions = predicted.clone();
-        let minimum = self.minimizer.minimize(&mut positions, &predicted, TOLERANCE * unit)?;
+        let minimum = self.minimizer.minimize(&mut positions, &predicted, self.tolerance * unit)?;
         if let Some(particle) = positions.iter().position(|x| !x.is_finite()) {
             return Err(SolverError::Diverged { particle });
         }

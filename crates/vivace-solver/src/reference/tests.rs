@@ -221,3 +221,25 @@ fn what_cannot_be_simulated_is_refused() {
     assert!(reference.solve(&State::default(), &Forces::default()).is_err());
     assert!(reference.set_attachment_target(0, Vec3::ZERO).is_err());
 }
+
+/// The gradient at which a solve ends is what it was told, and the answer is off by little more.
+#[test]
+fn a_larger_tolerance_ends_sooner() {
+    let mesh = beam::regular([8, 2, 2], 0.1).unwrap();
+    let mut builder = ModelBuilder::default();
+    let first = builder.volume(&mesh, 100.0).unwrap();
+    builder.tet_strain(first, mesh.tets(), 1e4).unwrap();
+    (0..9).for_each(|particle| builder.pin(particle).unwrap());
+    let (model, state) = builder.build().unwrap();
+    let mut reference = Reference::new(&model, STEP).unwrap();
+    let exact = reference.solve(&state, &Forces::default()).unwrap();
+    reference.set_tolerance(1e-5);
+    let found = reference.solve(&state, &Forces::default()).unwrap();
+    assert!(exact.gradient <= 1e-9 && found.gradient <= 1e-5, "{} {}", exact.gradient, found.gradient);
+    assert!(found.iterations < exact.iterations, "{} of {}", found.iterations, exact.iterations);
+    let end: Vec<Vec3> = found.positions.iter().map(|x| x.as_vec3()).collect();
+    assert!(exact.error(&end) < 1e-4, "{}", exact.error(&end));
+    // Not below what rounding allows.
+    reference.set_tolerance(0.0);
+    assert_eq!(reference.solve(&state, &Forces::default()).unwrap(), exact);
+}

@@ -57,7 +57,7 @@ impl Line7 {
 
     /// For each number of sweeps the best ω, its error, and that of ω = 1.9.
     pub(super) fn picked(&self) -> Vec<(u32, f32, f64, f64)> {
-        let n = self.omegas.first().map_or(0, |(_, points)| points.len());
+        let n = self.n_compared();
         let mut rows = Vec::new();
         for k in 0..n {
             let of = |(omega, points): &(f32, Vec<Inside>)| (*omega, points[k]);
@@ -69,6 +69,11 @@ impl Line7 {
             }
         }
         rows
+    }
+
+    /// How many numbers of sweeps all ω were measured at: a curve may end early.
+    fn n_compared(&self) -> usize {
+        self.omegas.iter().map(|(_, points)| points.len()).min().unwrap_or(0)
     }
 
     /// The greatest error of the printed reading over its sweeps.
@@ -96,7 +101,7 @@ impl Line7 {
             Axis::linear("\u{3c9}"),
             charts::error(errors),
         );
-        let n = self.omegas.first().map_or(0, |(_, points)| points.len());
+        let n = self.n_compared();
         for k in 0..n {
             let points = self.omegas.iter().map(|(omega, points)| (f64::from(*omega), points[k].error));
             let name = format!("{} sweeps", self.omegas[0].1[k].sweeps);

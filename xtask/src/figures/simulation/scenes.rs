@@ -42,6 +42,12 @@ impl Scene {
         Ok(Self { name: name.to_owned(), model, state, forces: scene.forces, h: scene.time_step, caption })
     }
 
+    /// Whether it holds tetrahedra, whose projections cost most.
+    pub fn has_tetrahedra(&self) -> bool {
+        let constraints = self.model.constraints();
+        !constraints.tet_strain.is_empty() || !constraints.tet_volume.is_empty()
+    }
+
     fn with_note(mut self, note: &str) -> Self {
         self.caption =
             format!("{} {note} The paper gives neither stiffness nor mass; these are ours.", self.caption);
