@@ -224,17 +224,14 @@ fn the_gpu_adds_curves_of_its_own() {
         html.contains(&adapter) && html.contains("Vivace (GPU)") && html.contains("--figure 2 --backend gpu")
     );
     for (file, n_graphs) in [("fig2.csv", 3), ("fig3.csv", 3 * 2)] {
-        let csv = read(out, file);
+        // The name may hold commas.
+        let csv = read(out, file).replace(&format!("\"{adapter}\""), "gpu").replace(&adapter, "gpu");
         let mut rows = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let header = rows.next().unwrap();
         let column = |name: &str| header.iter().position(|&column| column == name).unwrap();
         let [device, threads] = ["device", "threads"].map(column);
         let (on_cpu, on_gpu): (Vec<_>, Vec<_>) = rows.partition(|row| row[device] == "cpu");
-        assert!(
-            on_gpu
-                .iter()
-                .all(|row| adapter.starts_with(row[device].trim_matches('"')) && row[threads].is_empty())
-        );
+        assert!(on_gpu.iter().all(|row| row[device] == "gpu" && row[threads].is_empty()), "{file}");
         let n_seeds = if file == "fig2.csv" { 30 } else { 2 };
         assert_eq!(on_gpu.len(), n_graphs * 4 * n_seeds, "{file}");
         let same =

@@ -24,6 +24,9 @@ use crate::memory::{Allocation, Pool, Purpose, array_bytes};
 /// let bytes = Footprint::of(|device| algorithm.rehearse(device, 1_000_000, 3_000_000));
 /// assert!(bytes < 60_000_000);
 /// ```
+///
+/// What keeps its device, as a simulation does, takes a clone, whose bytes are counted here, too.
+#[derive(Clone)]
 pub struct Footprint {
     pool: Arc<Pool<()>>,
 }
@@ -32,9 +35,21 @@ impl Footprint {
     /// Bytes that a fresh [`crate::Gpu`] has allocated after `schedule`. Loops over rounds are taken to run, and to end before their
     /// limit.
     pub fn of<R>(schedule: impl FnOnce(&Self) -> R) -> u64 {
-        let footprint = Self { pool: Arc::new(Pool::new(u64::MAX)) };
+        let footprint = Self::new();
         drop(schedule(&footprint));
-        FIXED_BYTES + footprint.pool.allocated()
+        footprint.allocated()
+    }
+
+    /// A device that nothing was asked of yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { pool: Arc::new(Pool::new(u64::MAX)) }
+    }
+
+    /// What [`crate::Gpu::allocated`] would say.
+    #[must_use]
+    pub fn allocated(&self) -> u64 {
+        FIXED_BYTES + self.pool.allocated()
     }
 
     fn take(&self, purpose: Purpose, bytes: u64) -> Allocation<()> {
@@ -55,6 +70,12 @@ impl Footprint {
     fn array<T: Element>(&self, len: usize) -> FootprintBuffer<T> {
         let memory = self.take(Purpose::Work, array_bytes::<T>(len));
         FootprintBuffer { _memory: memory, len, element: PhantomData }
+    }
+}
+
+impl Default for Footprint {
+    fn default() -> Self {
+        Self::new()
     }
 }
 

@@ -164,22 +164,39 @@ impl crate::Gpu {
         self.device().features().contains(wgpu::Features::TIMESTAMP_QUERY)
     }
 
-    /// Does `work`, and says how long each kernel in it took. What it computes is what it computes without a profile. A profile
-    /// within another takes its dispatches away from that.
+    /// Times every dispatch from here to [`crate::Gpu::end_profile`]. What is computed is what is computed without a profile. One that
+    /// has begun and not ended is dropped.
     ///
     /// # Errors
-    /// The device has no timestamp queries (nothing is done then), or was lost.
-    pub fn profile<R>(&self, work: impl FnOnce(&Self) -> R) -> Result<(R, Profile), GpuError> {
+    /// The device has no timestamp queries.
+    pub fn begin_profile(&self) -> Result<(), GpuError> {
         if !self.has_timestamps() {
             return Err(GpuError::NoTimestamps { adapter: self.adapter().name.clone() });
         }
         let profiler = Profiler::new(self.device().clone());
-        let outer = self.recorder.borrow_mut().replace_profiler(Some(profiler));
-        let result = work(self);
-        let inner = self.recorder.borrow_mut().replace_profiler(outer);
-        let tick = f64::from(self.queue().get_timestamp_period()) * 1e-9;
+        self.recorder.borrow_mut().replace_profiler(Some(profiler));
+        Ok(())
+    }
+
+    /// How long each kernel took since [`crate::Gpu::begin_profile`]; nothing if there was none. Waits for the device.
+    ///
+    /// # Errors
+    /// The device was lost.
+    pub fn end_profile(&self) -> Result<Profile, GpuError> {
+        let profiler = self.recorder.borrow_mut().replace_profiler(None);
         self.wait()?;
-        let profile = inner.and_then(|profiler| profiler.finish(tick)).ok_or_else(|| self.lost())?;
-        Ok((result, profile))
+        let Some(profiler) = profiler else { return Ok(Profile::default()) };
+        let tick = f64::from(self.queue().get_timestamp_period()) * 1e-9;
+        profiler.finish(tick).ok_or_else(|| self.lost())
+    }
+
+    /// Does `work`, and says how long each kernel in it took.
+    ///
+    /// # Errors
+    /// The device has no timestamp queries (nothing is done then), or was lost.
+    pub fn profile<R>(&self, work: impl FnOnce(&Self) -> R) -> Result<(R, Profile), GpuError> {
+        self.begin_profile()?;
+        let result = work(self);
+        Ok((result, self.end_profile()?))
     }
 }

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 use vivace_cpu::Cpu;
-use vivace_gpu::{Gpu, GpuError, wgpu};
+use vivace_gpu::{Footprint, Gpu, GpuError, wgpu};
 use vivace_kernels::Backend;
 use vivace_model::{Forces, State, Wind};
 use vivace_solver::{Budget, Relaxation, Solver, SolverError, StepReport, System};
@@ -294,4 +294,24 @@ fn a_diverged_step_changes_nothing() {
     step(&mut system, &mut state, Vec3::NEG_Y).unwrap();
     (0..2).for_each(|_| step(&mut other, &mut undisturbed, Vec3::NEG_Y).unwrap());
     assert_eq!(state, undisturbed);
+}
+
+/// A scene's bytes are known before a device is asked for them, and frames after the first take no more.
+#[test]
+fn memory_of_frames_is_known_before_it_is_taken() {
+    let scene = cloth(20, 100.0, Some(1e-4));
+    for solver in [Solver::default(), plain(gauss_seidel(1.0)), plain(gauss_seidel(1.9))] {
+        let device = Footprint::new();
+        frames(
+            &mut System::on(scene.0.clone(), solver, device.clone()).unwrap(),
+            scene.1.clone(),
+            &forces(true),
+        );
+        let mut system = System::on(scene.0.clone(), solver, gpu()).unwrap();
+        for _ in 0..2 {
+            frames(&mut system, scene.1.clone(), &forces(true));
+            let allocated = system.backend::<Gpu>().unwrap().allocated();
+            assert_eq!(allocated, device.allocated(), "{solver:?}");
+        }
+    }
 }

@@ -80,21 +80,22 @@ fn a_profile_changes_no_coloring() {
     }
 }
 
+/// One that begins anew forgets what was before, and one that has not begun is empty.
 #[test]
-fn a_profile_within_a_profile_keeps_its_own() {
+fn a_profile_lasts_from_its_beginning_to_its_end() {
     let gpu = timed();
     let mut array = gpu.filled(10, 0_u32);
     let all = gpu.all(10);
     let mut set = |value| gpu.map::<SetValue>(&all, &SetValueUniform { value }, (), &mut array);
-    let (inner, outer) = gpu
-        .profile(|gpu| {
-            set(1);
-            let inner = gpu.profile(|_| (2..5).for_each(&mut set)).unwrap().1;
-            set(5);
-            inner
-        })
-        .unwrap();
-    assert_eq!((inner.n_dispatches(), outer.n_dispatches()), (3, 2));
+    set(1);
+    assert_eq!(gpu.end_profile().unwrap().n_dispatches(), 0);
+    gpu.begin_profile().unwrap();
+    set(2);
+    gpu.begin_profile().unwrap();
+    (3..6).for_each(&mut set);
+    assert_eq!(gpu.end_profile().unwrap().n_dispatches(), 3);
+    set(6);
+    assert_eq!(gpu.end_profile().unwrap().n_dispatches(), 0);
 }
 
 #[test]

@@ -10,8 +10,12 @@
 //! device's own clock, if it has one, while each dispatch has a pass of its own: `work`, `kernel`, `dispatches`, `us_per_dispatch`
 //! (mean), `ms` (all of them), `share_of_time` (of all kernels of the work), `gb_per_s` (the bytes that a profile counts, see
 //! [`vivace_gpu::KernelTime::bytes`], over time), `share_of_copy` (that over the best copy's rate; above 1 where caches help, and
-//! where a list is much shorter than it could be).
+//! where a list is much shorter than it could be). `frames.csv`, a row for each size of a cloth of springs, fused sweeps of Projective
+//! Dynamics: `constraints`, `particles`, `colors`, `bytes` (as known before the device is asked), `ms` (median of a frame, positions
+//! and velocities read back), `ms_min`, `kernels_ms` (of all kernels of a frame, by the device's clock), `dispatches` (of a frame),
+//! `us_per_dispatch` (of `ms`), `updates_per_s` (particles times sweeps over `ms`), `note` (why the device refused it).
 
+mod frames;
 mod kernels;
 mod measure;
 
@@ -21,13 +25,15 @@ use vivace_gpu::{Gpu, GpuError};
 use vivace_tests::workloads::Workload;
 
 use crate::figures::FigureError;
-use crate::report::{Figure, Progress, Report, RunInfo, Table};
+use crate::report::{Figure, Progress, Report, RunInfo, Table, Value};
 
 /// What a run is asked for.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Vertices of the largest graph.
     pub most_vertices: usize,
+    /// Constraints of the cloths whose frames are timed; what the adapter does in a minute or two if there are none.
+    pub constraints: Vec<usize>,
     /// Runs of each coloring.
     pub runs: u32,
     /// Seed of the first run.
@@ -48,7 +54,7 @@ pub struct Finished {
     pub adapter: String,
     /// What is to be said about the numbers.
     pub notes: Vec<String>,
-    /// Cost of a dispatch, rate of a copy, time by kernel, time of each coloring.
+    /// Cost of a dispatch, rate of a copy, time by kernel, frames, time of each coloring.
     pub tables: Vec<Table>,
 }
 
@@ -80,7 +86,8 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
     let workloads: Vec<Workload> = Workload::up_to(options.most_vertices)
         .filter(|workload| measure::GRAPHS.contains(&workload.name))
         .collect();
-    progress.figure("bench-gpu", 2 + 2 * workloads.len() as u64);
+    let sizes = sizes(options, &gpu);
+    progress.figure("bench-gpu", 2 + 2 * workloads.len() as u64 + sizes.len() as u64);
     progress.step("dispatches");
     let dispatches = measure::dispatches()?;
     progress.step("copies");
@@ -91,6 +98,11 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
         kernels::coloring(&gpu, workload, options.seed, copies, &mut by_kernel)?;
     }
     gpu.trim();
+    let mut frames = frames::table();
+    for n in sizes {
+        progress.step(&format!("frames of {} constraints", Value::from(n).shown()));
+        frames::frames(n, copies, &mut frames, &mut by_kernel)?;
+    }
     let mut colorings = measure::colorings_table();
     for workload in workloads {
         progress.step(workload.name);
@@ -100,6 +112,7 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
         ("dispatches", dispatches),
         ("copies", copies.table()),
         ("kernels", by_kernel),
+        ("frames", frames),
         ("colorings", colorings),
     ];
     let notes = notes(&gpu);
@@ -108,7 +121,7 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
     info.machine.adapters = vec![adapter.clone()];
     let mut figure = Figure::new(
         "gpu",
-        &format!("Kernels and colorings on {adapter}"),
+        &format!("Kernels, frames and colorings on {adapter}"),
         &options.command,
         "Each coloring was checked. Times of colorings are of whole ones: recording, running, and the waits in between. Times of kernels are the device's own.",
     );
@@ -120,6 +133,16 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
     report.add(figure).map_err(FigureError::from)?;
     let page = report.finish().map_err(FigureError::from)?;
     Ok(Finished { page, adapter, notes, tables: tables.map(|(_, table)| table).into() })
+}
+
+/// Constraints of the cloths. A software adapter does a million in some ten seconds.
+fn sizes(options: &Options, gpu: &Gpu) -> Vec<usize> {
+    const ALL: [usize; 6] = [10_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000];
+    if !options.constraints.is_empty() {
+        return options.constraints.clone();
+    }
+    let most = if gpu.is_software() { 1_000_000 } else { usize::MAX };
+    ALL.into_iter().filter(|&n| n <= most.min(3 * options.most_vertices.min(usize::MAX / 3))).collect()
 }
 
 /// What whoever reads the numbers has to know about this device.

@@ -8,7 +8,7 @@ use super::{CommandError, output};
 use crate::bench_gpu::{self, Options};
 use crate::report::Progress;
 
-/// Measure dispatches, copies, kernels and colorings on the GPU
+/// Measure dispatches, copies, kernels, frames and colorings on the GPU
 ///
 /// Prints the tables and writes them (CSV, JSON, one page) with adapter, machine,
 /// commit and command. A software adapter is named as such: its times are those of
@@ -18,6 +18,10 @@ pub struct Args {
     /// Graphs of up to 100K vertices, fewer runs
     #[arg(long)]
     quick: bool,
+    /// Constraints of the cloths whose frames are timed, up to some 10M [default: 10K to 10M;
+    /// on a software adapter to 1M]
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(8..=100_000_000))]
+    constraints: Vec<u32>,
     /// Seed of the colorings
     #[arg(long, default_value_t = 2016, value_name = "S")]
     seed: u64,
@@ -29,13 +33,19 @@ pub struct Args {
 /// Measures, prints and writes.
 pub fn run(args: Args) -> Result<(), CommandError> {
     let quick = if args.quick { " --quick" } else { "" };
+    let mut command = format!("cargo xtask bench-gpu{quick} --seed {}", args.seed);
+    if !args.constraints.is_empty() {
+        let constraints: Vec<String> = args.constraints.iter().map(u32::to_string).collect();
+        let _ = write!(command, " --constraints {}", constraints.join(","));
+    }
     let options = Options {
         most_vertices: if args.quick { 100_000 } else { usize::MAX },
+        constraints: args.constraints.iter().map(|&n| n as usize).collect(),
         runs: if args.quick { 5 } else { 15 },
         seed: args.seed,
         out: args.out.unwrap_or_else(|| workspace().join("out/bench-gpu")),
         source: workspace(),
-        command: format!("cargo xtask bench-gpu{quick} --seed {}", args.seed),
+        command,
     };
     let mut progress = Progress::new();
     let finished =
