@@ -41,7 +41,7 @@ pub(super) fn table() -> Table {
 /// A square cloth of springs of about so many constraints, two corners pinned.
 fn cloth(n_constraints: usize) -> Result<(Model, State), FigureError> {
     // Three springs a particle.
-    let n = ((n_constraints as f64 / 3.0).sqrt().round() as usize).max(2);
+    let n = (n_constraints / 3).isqrt().max(2);
     let mesh = cloths::regular(n, n, 1.0 / (n as f32 - 1.0))?;
     let mut builder = ModelBuilder::new();
     builder.cloth(&mesh, 0.2)?;
