@@ -17,7 +17,7 @@ pub trait Backend {
     /// Where arrays live.
     type Memory: Memory;
     /// An array of `T`, owned.
-    type Buffer<T: Element>: Send;
+    type Buffer<T: Element>: Send + 'static;
     /// A set of element indices.
     type List: Clone + Send;
 

@@ -12,8 +12,8 @@ use crate::{ContactReport, Solver, SolverError, Stages};
 
 /// A framework where it runs, with the positions and velocities of a frame.
 pub(crate) trait Engine: Debug + Send + Sync {
-    /// The backend, where there is one, as what it is.
-    fn backend(&mut self) -> Option<&mut dyn Any> {
+    /// Where there is a backend: it, the positions on it, and the place of each of the model's particles among them.
+    fn resident(&mut self) -> Option<(&dyn Any, &dyn Any, &[u32])> {
         None
     }
 

@@ -35,6 +35,9 @@ pub enum SolverError {
         /// The relaxation.
         relaxation: &'static str,
     },
+    /// A step without a state to begin with.
+    #[error("there is no state to go on from: load one first")]
+    NoState,
     /// What a device does not do.
     #[error("{what} is not done on a device: take {instead}, or stay on the CPU")]
     NotOnDevice {

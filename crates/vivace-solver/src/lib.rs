@@ -36,6 +36,6 @@ pub use report::{ContactReport, PhaseTimes, StepReport, Stop};
 pub use solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
 use stages::Stages;
 pub use step::Ease;
-pub use system::System;
+pub use system::{Resident, System};
 pub use vivace_collision as collision;
 pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Wind};

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 
@@ -26,6 +26,30 @@ pub struct System {
     ease: Ease,
     is_measuring: bool,
     collisions: Option<Collisions>,
+    /// Whether the engine holds a state to go on from.
+    has_state: bool,
+}
+
+/// A state where it lies on a device, for a renderer there.
+pub struct Resident<'a, B: Backend> {
+    /// The device.
+    pub backend: &'a B,
+    /// Positions \[m\] as the last step has left them, and inverse masses \[1/kg\], 0 where pinned: in the solver's order, color by color.
+    pub positions: &'a B::Buffer<Vec4>,
+    /// Where each of the model's particles is in it.
+    pub place: &'a [u32],
+}
+
+impl<B: Backend> std::fmt::Debug for Resident<'_, B> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Resident").field("place", &self.place.len()).finish_non_exhaustive()
+    }
+}
+
+/// What a step that failed has to bring back.
+struct Before {
+    ease: Ease,
+    memory: Option<ContactMemory>,
 }
 
 /// Whether `solver` can do with contacts.
@@ -63,13 +87,15 @@ impl System {
         Ok(Self::with_engine(model, solver, Box::new(engine)))
     }
 
-    /// The backend that [`System::on`] was given; `None` on the CPU's own engine, or where it is of another type.
-    pub fn backend<B: Backend + 'static>(&mut self) -> Option<&mut B> {
-        self.engine.backend()?.downcast_mut()
+    /// What [`System::on`] was given, and the positions on it; `None` on the CPU's own engine, or where the backend is of another type.
+    pub fn resident<B: Backend + 'static>(&mut self) -> Option<Resident<'_, B>> {
+        let (backend, positions, place) = self.engine.resident()?;
+        Some(Resident { backend: backend.downcast_ref()?, positions: positions.downcast_ref()?, place })
     }
 
     fn with_engine(model: Model, solver: Solver, engine: Box<dyn Engine>) -> Self {
-        Self { model, solver, engine, ease: Ease::default(), is_measuring: false, collisions: None }
+        let ease = Ease::default();
+        Self { model, solver, engine, ease, is_measuring: false, collisions: None, has_state: false }
     }
 
     /// The model.
@@ -94,6 +120,7 @@ impl System {
         self.engine.set_solver(&self.model, &solver)?;
         self.solver = solver;
         self.ease = Ease::default();
+        self.has_state = false;
         Ok(())
     }
 
@@ -134,6 +161,7 @@ impl System {
         }
         // Those of the last step are gone.
         self.engine.set_solver(&self.model, &self.solver)?;
+        self.has_state = false;
         self.collisions = collisions;
         Ok(())
     }
@@ -178,7 +206,7 @@ impl System {
 
     /// Advances `state` by `h` \[s\]: Algorithm 1, once for each small step. On a device, `state` is written there unless it is the
     /// one that the last step has left, and read back when the frame is done; a budget of seconds makes the host wait after each
-    /// iteration, a tolerance makes it look.
+    /// iteration, a tolerance makes it look. Times are the host's: without such a budget most of a device's stand under `finish`.
     ///
     /// # Errors
     /// A state, force, step or budget that cannot be simulated; a result that is not finite. The state is then as it was.
@@ -189,26 +217,78 @@ impl System {
         h: f32,
         budget: Budget,
     ) -> Result<StepReport, SolverError> {
-        let start = Instant::now();
-        let ease = self.ease;
-        budget.check()?;
-        forces.check()?;
+        let (start, before) = (Instant::now(), self.before());
+        check(forces, h, &budget)?;
+        self.load(state)?;
+        let mut report = self.advance_from(start, forces, h, &budget)?;
+        let finish_start = Instant::now();
+        if let Err(error) = self.store(state) {
+            return Err(self.undo(error, &before));
+        }
+        report.times.finish += finish_start.elapsed().as_secs_f64();
+        Ok(report)
+    }
+
+    /// Puts a state where the system runs: for steps whose positions the host need not see, see [`System::advance`].
+    ///
+    /// # Errors
+    /// A state that cannot be simulated.
+    pub fn load(&mut self, state: &State) -> Result<(), SolverError> {
         state.check(&self.model)?;
-        check_time_step(h)?;
+        self.engine.load(state);
+        self.has_state = true;
+        Ok(())
+    }
+
+    /// As [`System::step`], from where the last step, this one or [`System::load`] has left the state to where it stays. On a device nothing
+    /// is read back, but what the budget and the safeguard look at; what went wrong comes out of [`System::store`].
+    ///
+    /// # Errors
+    /// A force, step or budget that cannot be simulated; there is no state: nothing has changed then. Contacts that cannot be found: another
+    /// state has to be loaded.
+    pub fn advance(&mut self, forces: &Forces, h: f32, budget: Budget) -> Result<StepReport, SolverError> {
+        let start = Instant::now();
+        check(forces, h, &budget)?;
+        self.advance_from(start, forces, h, &budget)
+    }
+
+    /// Reads the state where the last step has left it.
+    ///
+    /// # Errors
+    /// There is none; it is not finite, or the device has failed: `state` is as it was, and another has to be loaded.
+    pub fn store(&mut self, state: &mut State) -> Result<(), SolverError> {
+        if !std::mem::take(&mut self.has_state) {
+            return Err(SolverError::NoState);
+        }
+        state.check(&self.model)?;
+        self.engine.store(&self.model, state)?;
+        self.has_state = true;
+        Ok(())
+    }
+
+    fn advance_from(
+        &mut self,
+        start: Instant,
+        forces: &Forces,
+        h: f32,
+        budget: &Budget,
+    ) -> Result<StepReport, SolverError> {
+        if !self.has_state {
+            return Err(SolverError::NoState);
+        }
         let n_substeps = self.solver.substeps.min(budget.iterations.unwrap_or(u32::MAX)).max(1);
         let small_h = h / n_substeps as f32;
         let mut report = StepReport::default();
         self.engine.prepare(small_h)?;
-        self.engine.load(state);
         report.times.setup = start.elapsed().as_secs_f64();
-        let memory = self.collisions.is_some().then(|| self.engine.memory());
+        let before = self.before();
         for substep in 0..n_substeps {
-            let share = share_of(&budget, substep, n_substeps);
+            let share = share_of(budget, substep, n_substeps);
             if let Some(collisions) = &mut self.collisions {
                 collisions.begin(substep, n_substeps);
             }
             if let Err(error) = self.substep(forces, small_h, &share, start, &mut report) {
-                return Err(self.undo(error, ease, memory.as_ref()));
+                return Err(self.undo(error, &before));
             }
         }
         let finish_start = Instant::now();
@@ -218,17 +298,20 @@ impl System {
         if self.solver.relaxation.is_colored() {
             report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
         }
-        if let Err(error) = self.engine.store(&self.model, state) {
-            return Err(self.undo(error, ease, memory.as_ref()));
-        }
         report.times.finish += finish_start.elapsed().as_secs_f64();
         Ok(report)
     }
 
-    /// What comes back with `error`: all that a step may have changed was `ease` and `memory` before it.
-    fn undo(&mut self, error: SolverError, ease: Ease, memory: Option<&ContactMemory>) -> SolverError {
-        self.ease = ease;
-        let restored = memory.map_or(Ok(()), |memory| self.engine.set_memory(memory));
+    /// What a step may change beside the state.
+    fn before(&self) -> Before {
+        Before { ease: self.ease, memory: self.collisions.is_some().then(|| self.engine.memory()) }
+    }
+
+    /// What comes back with `error`. The engine has no state any more.
+    fn undo(&mut self, error: SolverError, before: &Before) -> SolverError {
+        self.ease = before.ease;
+        self.has_state = false;
+        let restored = before.memory.as_ref().map_or(Ok(()), |memory| self.engine.set_memory(memory));
         restored.err().unwrap_or(error)
     }
 
@@ -280,6 +363,12 @@ impl System {
         };
         format!("{framework} {}", Relaxation::name(&self.solver.relaxation))
     }
+}
+
+fn check(forces: &Forces, h: f32, budget: &Budget) -> Result<(), SolverError> {
+    budget.check()?;
+    forces.check()?;
+    Ok(check_time_step(h)?)
 }
 
 /// What small step `k` of `n` may use of a budget: its share of the iterations, and the time until its share has passed.

@@ -71,7 +71,8 @@ fn mismatch(
     is_exact: bool,
 ) -> Option<String> {
     const BOUND: f32 = 2e-4;
-    let rounds_alike = system.backend::<Gpu>().is_some_and(|gpu| gpu.is_software()) && !is_windy && is_exact;
+    let rounds_alike =
+        system.resident::<Gpu>().is_some_and(|at| at.backend.is_software()) && !is_windy && is_exact;
     let forces = forces(is_windy);
     system.set_solver(solver).unwrap();
     let (on_gpu, report) = frames(system, scene.1.clone(), &forces);
@@ -154,7 +155,7 @@ fn n_dispatches(scene: &Scene, solver: Solver, budget: Budget) -> (u64, u64, u64
     let mut system = System::on(model, solver, gpu()).unwrap();
     let mut step = |system: &mut System| {
         system.step(&mut state, &Forces::default(), STEP, budget).unwrap();
-        let gpu = system.backend::<Gpu>().unwrap();
+        let gpu = system.resident::<Gpu>().unwrap().backend;
         (gpu.n_dispatches(), gpu.allocated())
     };
     let first = step(&mut system);
@@ -252,7 +253,7 @@ fn a_lost_device_leaves_the_last_state() {
     };
     step(&mut system, &mut state).unwrap();
     let (before, ease) = (state.clone(), system.ease());
-    system.backend::<Gpu>().unwrap().device().destroy();
+    system.resident::<Gpu>().unwrap().backend.device().destroy();
     for _ in 0..2 {
         let error = step(&mut system, &mut state).unwrap_err();
         let SolverError::Device(error) = error else { panic!("{error}") };
@@ -310,8 +311,52 @@ fn memory_of_frames_is_known_before_it_is_taken() {
         let mut system = System::on(scene.0.clone(), solver, gpu()).unwrap();
         for _ in 0..2 {
             frames(&mut system, scene.1.clone(), &forces(true));
-            let allocated = system.backend::<Gpu>().unwrap().allocated();
+            let allocated = system.resident::<Gpu>().unwrap().backend.allocated();
             assert_eq!(allocated, device.allocated(), "{solver:?}");
+        }
+    }
+}
+
+/// Frames that the host does not see, then one that it does; and positions where they lie.
+fn unseen(mut system: System, state: &mut State) -> System {
+    let nothing = system.advance(&forces(true), STEP, Budget::iterations(6)).unwrap_err();
+    assert!(matches!(nothing, SolverError::NoState), "{nothing}");
+    system.load(state).unwrap();
+    for _ in 0..3 {
+        system.advance(&forces(true), STEP, Budget::iterations(6)).unwrap();
+    }
+    system.store(state).unwrap();
+    system
+}
+
+#[test]
+fn frames_that_nobody_sees_are_the_same() {
+    let (model, start) = cloth(9, 100.0, Some(1e-5));
+    let solver = Solver { substeps: 2, ..plain(gauss_seidel(1.3)) };
+    let on = || System::on(model.clone(), solver, gpu()).unwrap();
+    for (mut seen, unseen_by) in [
+        (on(), on()),
+        (System::new(model.clone(), solver).unwrap(), System::new(model.clone(), solver).unwrap()),
+    ] {
+        let (mut state, mut other) = (start.clone(), start.clone());
+        for _ in 0..3 {
+            seen.step(&mut state, &forces(true), STEP, Budget::iterations(6)).unwrap();
+        }
+        let mut system = unseen(unseen_by, &mut other);
+        assert_eq!(state, other);
+        // The old state is not taken for the one that was stored last.
+        let (mut again, mut fresh) = (start.clone(), start.clone());
+        system.step(&mut again, &forces(false), STEP, Budget::iterations(6)).unwrap();
+        System::new(model.clone(), solver)
+            .unwrap()
+            .step(&mut fresh, &forces(false), STEP, Budget::iterations(6))
+            .unwrap();
+        assert!(distance(&again, &fresh) < 1e-5);
+        if let Some(at) = system.resident::<Gpu>() {
+            let q = at.backend.read_back(at.positions).unwrap().wait().unwrap();
+            for ((&place, position), mass) in at.place.iter().zip(&again.positions).zip(model.masses()) {
+                assert_eq!(q[place as usize], position.extend(1.0 / mass));
+            }
         }
     }
 }

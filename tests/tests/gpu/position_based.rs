@@ -133,7 +133,7 @@ fn costs(scene: &Scene, relaxation: Relaxation, n_iterations: u32) -> (u64, [u64
     let mut state = scene.1.clone();
     let mut system = on(gpu(), scene, solver(relaxation));
     let of = |system: &mut System| {
-        let gpu = system.backend::<Gpu>().expect("what it was given");
+        let gpu = system.resident::<Gpu>().expect("what it was given").backend;
         (gpu.n_dispatches(), gpu.allocated())
     };
     let mut step = |system: &mut System| {
@@ -199,7 +199,7 @@ fn targets_and_solvers_change_on_the_way() {
 fn what_fails_leaves_the_state_alone() {
     let scene = scene(&Bodies::default());
     let mut system = on(gpu(), &scene, solver(gauss_seidel(1.0)));
-    let gpu = system.backend::<Gpu>().expect("what it was given");
+    let gpu = system.resident::<Gpu>().expect("what it was given").backend;
     gpu.device().destroy();
     assert!(gpu.wait().is_err());
     let mut state = scene.1.clone();

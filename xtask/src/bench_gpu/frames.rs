@@ -121,7 +121,7 @@ fn measured(model: Model, mut state: State) -> Result<Frames, SolverError> {
     let mut system = System::on(model, solver(), gpu)?;
     // The first frames make pipelines and buffers.
     (0..2).try_for_each(|_| frame(&mut system, &mut state))?;
-    let count = |system: &mut System| system.backend::<Gpu>().map_or(0, |gpu| gpu.n_dispatches());
+    let count = |system: &mut System| system.resident::<Gpu>().map_or(0, |at| at.backend.n_dispatches());
     let before = count(&mut system);
     let mut times = Vec::new();
     for _ in 0..N_FRAMES {
@@ -143,10 +143,10 @@ fn measured(model: Model, mut state: State) -> Result<Frames, SolverError> {
 
 /// The kernels of one more frame.
 fn profiled(system: &mut System, state: &mut State) -> Result<Vec<KernelTime>, SolverError> {
-    let is_timed = system.backend::<Gpu>().is_some_and(|gpu| gpu.begin_profile().is_ok());
+    let is_timed = system.resident::<Gpu>().is_some_and(|at| at.backend.begin_profile().is_ok());
     frame(system, state)?;
-    let Some(gpu) = system.backend::<Gpu>().filter(|_| is_timed) else { return Ok(Vec::new()) };
-    let profile = gpu.end_profile().map_err(|error| SolverError::Device(Box::new(error)))?;
+    let Some(at) = system.resident::<Gpu>().filter(|_| is_timed) else { return Ok(Vec::new()) };
+    let profile = at.backend.end_profile().map_err(|error| SolverError::Device(Box::new(error)))?;
     Ok(profile.kernels().to_vec())
 }
 

@@ -208,6 +208,10 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.colors.len()
     }
 
+    fn positions(&self) -> (&B::Buffer<Vec4>, &[u32]) {
+        (&self.motion.q, &self.layout.place)
+    }
+
     fn n_passes(&self) -> usize {
         self.passes.len()
     }

@@ -22,7 +22,7 @@ use std::any::Any;
 use std::fmt::{self, Debug};
 use std::sync::{Mutex, PoisonError};
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, State};
 
@@ -41,6 +41,8 @@ struct Device<B: Backend> {
 trait Solve<B: Backend>: Send {
     fn n_colors(&self) -> usize;
     fn n_passes(&self) -> usize;
+    /// Positions, and the place of each of the model's particles among them.
+    fn positions(&self) -> (&B::Buffer<Vec4>, &[u32]);
     fn n_sweeps(&self) -> u32 {
         1
     }
@@ -129,8 +131,10 @@ fn check(solver: &Solver) -> Result<(), SolverError> {
 }
 
 impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
-    fn backend(&mut self) -> Option<&mut dyn Any> {
-        Some(&mut self.device().backend)
+    fn resident(&mut self) -> Option<(&dyn Any, &dyn Any, &[u32])> {
+        let Device { backend, frame } = self.device();
+        let (positions, place) = frame.positions();
+        Some((backend, positions, place))
     }
 
     fn n_colors(&self) -> usize {

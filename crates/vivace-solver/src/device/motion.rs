@@ -117,6 +117,7 @@ impl<B: Backend> Motion<B> {
         let uniform = UpdateVelocityUniform { scale };
         backend.map::<UpdateVelocity>(&self.all, &uniform, inputs, &mut self.velocities);
         self.has_ended = true;
+        self.is_stored = false;
     }
 
     /// Reads back where the frame has ended.

@@ -99,6 +99,10 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.n_colors as usize
     }
 
+    fn positions(&self) -> (&B::Buffer<Vec4>, &[u32]) {
+        (&self.motion.q, &self.layout.place)
+    }
+
     fn n_passes(&self) -> usize {
         self.kinds.len()
     }
