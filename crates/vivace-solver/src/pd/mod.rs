@@ -398,20 +398,21 @@ impl Stages for ProjectiveDynamics {
         for (&vertex, step) in self.moved_to(color).iter().zip(self.steps_of_moved(color, 1.0)) {
             steps.set(vertex as usize, step);
         }
-        let class =
-            self.layout.classes.get(color).cloned().unwrap_or_default().filter(|&v| !self.has_moved(v));
-        let moved = self.moved_to(color).iter().map(|&vertex| vertex as usize);
-        let vertices: Vec<usize> = class.chain(moved).collect();
-        let stride = self.q.stride();
-        for vertex in vertices {
+        let (mut q, mut history) = (std::mem::take(&mut self.q), std::mem::take(&mut self.history));
+        let stride = q.stride();
+        let mut extrapolate = |vertex: usize| {
             for (axis, steps) in steps.axes().into_iter().enumerate() {
                 let at = axis * stride + vertex;
-                let (q, previous) = (&mut self.q.data_mut()[at], &mut self.history.previous_mut()[at]);
+                let (q, previous) = (&mut q.data_mut()[at], &mut history.previous_mut()[at]);
                 let old = *q;
                 *q = *previous + omega * (old + steps[vertex] - *previous);
                 *previous = old;
             }
-        }
+        };
+        let class = self.layout.classes.get(color).cloned().unwrap_or_default();
+        class.filter(|&vertex| !self.has_moved(vertex)).for_each(&mut extrapolate);
+        self.moved_to(color).iter().for_each(|&vertex| extrapolate(vertex as usize));
+        (self.q, self.history) = (q, history);
         self.steps = steps;
     }
 
