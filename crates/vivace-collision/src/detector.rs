@@ -208,14 +208,31 @@ impl Detector {
 
     fn hold(&mut self, from: &[Vec3], to: &mut [Vec3], together: bool, report: &mut Report) -> usize {
         let thickness = self.options.thickness;
-        let start = Instant::now();
-        report.candidates = self.broad.find(&self.surface, from, to, Vec3::ZERO, limit::reach(thickness));
-        report.times.broad += start.elapsed().as_secs_f64();
+        let drift = drift(&self.surface.vertices, from, to);
+        // What all have in common makes boxes long, but has to be in them only if something has to be left behind.
+        if drift.length() > thickness {
+            self.find(from, to, drift, report);
+            let start = Instant::now();
+            let is_clear = self.guard.is_clear(&mut self.broad, from, to, thickness);
+            report.times.narrow += start.elapsed().as_secs_f64();
+            if is_clear {
+                return 0;
+            }
+        }
+        self.find(from, to, Vec3::ZERO, report);
         let start = Instant::now();
         let (rounds, n_held) = self.guard.hold(&mut self.broad, from, to, thickness, together);
         report.times.narrow += start.elapsed().as_secs_f64();
         report.rounds = report.rounds.max(rounds);
         n_held
+    }
+
+    /// The guard's candidates.
+    fn find(&mut self, from: &[Vec3], to: &[Vec3], drift: Vec3, report: &mut Report) {
+        let start = Instant::now();
+        let reach = limit::reach(self.options.thickness);
+        report.candidates = self.broad.find(&self.surface, from, to, drift, reach);
+        report.times.broad += start.elapsed().as_secs_f64();
     }
 
     /// Ends ways that lead into obstacles outside; how many there were.

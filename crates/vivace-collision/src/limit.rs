@@ -45,6 +45,13 @@ pub(crate) fn reach(thickness: f32) -> f32 {
 }
 
 impl Guard {
+    /// Whether none of the candidates in `broad` hits.
+    pub(crate) fn is_clear(&mut self, broad: &mut Broad, from: &[Vec3], to: &[Vec3], thickness: f32) -> bool {
+        reset(&mut self.changed, from.len(), true);
+        self.find_hits(&mut broad.pieces, from, to, thickness, 0);
+        broad.pieces.iter().all(|piece| piece.hits.is_empty())
+    }
+
     /// Shortens ways until none of the candidates in `broad` hits; with `together`, particles keep what they have in common if
     /// that is little aside of their ways. Returns the rounds and how many particles were held back.
     pub(crate) fn hold(
