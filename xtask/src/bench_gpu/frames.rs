@@ -40,8 +40,8 @@ pub(super) fn table() -> Table {
 
 /// A square cloth of springs of about so many constraints, two corners pinned.
 fn cloth(n_constraints: usize) -> Result<(Model, State), FigureError> {
-    // Three springs a particle.
-    let n = (n_constraints / 3).isqrt().max(2);
+    // Three springs a particle; the root, to the nearest number.
+    let n = (4 * n_constraints / 3).isqrt().div_ceil(2).max(2);
     let mesh = cloths::regular(n, n, 1.0 / (n as f32 - 1.0))?;
     let mut builder = ModelBuilder::new();
     builder.cloth(&mesh, 0.2)?;
