@@ -247,14 +247,14 @@ pub(crate) fn filled<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Er
     Ok(Left { array, lists: vec![backend.indices(&backend.all(n))?] })
 }
 
-/// Ranges in place of lists: in the middle, from the start, empty; mapped over, taken apart, one after another. Arrays written in part
+/// Ranges in place of lists: some that do not begin at 0, an empty one; mapped over, taken apart, one after another. Arrays written in part
 /// and read in part.
 pub(crate) fn ranges<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Error> {
     let (third, csr) = (data.n / 3, Csr::new(backend, data));
     let mut color = guarded(backend, &data.colors);
     backend.write(&mut color, &data.weights[third as usize..]);
     let (mut start, middle, none) =
-        (backend.range(0..third), backend.range(third..data.n), backend.range(third..third));
+        (backend.range(third / 4..third), backend.range(third..data.n), backend.range(third..third));
     for (list, value) in [(&none, 7), (&middle, 3)] {
         backend.map::<SetValue>(list, &SetValueUniform { value }, (), &mut color);
     }
