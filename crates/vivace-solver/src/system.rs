@@ -220,7 +220,7 @@ impl System {
         let (start, before) = (Instant::now(), self.before());
         check(forces, h, &budget)?;
         self.load(state)?;
-        let mut report = self.advance_from(start, forces, h, &budget)?;
+        let mut report = self.advance_from(start, forces, h, &budget, &before)?;
         let finish_start = Instant::now();
         if let Err(error) = self.store(state) {
             return Err(self.undo(error, &before));
@@ -247,9 +247,9 @@ impl System {
     /// A force, step or budget that cannot be simulated; there is no state: nothing has changed then. Contacts that cannot be found: another
     /// state has to be loaded.
     pub fn advance(&mut self, forces: &Forces, h: f32, budget: Budget) -> Result<StepReport, SolverError> {
-        let start = Instant::now();
+        let (start, before) = (Instant::now(), self.before());
         check(forces, h, &budget)?;
-        self.advance_from(start, forces, h, &budget)
+        self.advance_from(start, forces, h, &budget, &before)
     }
 
     /// Reads the state where the last step has left it.
@@ -272,6 +272,7 @@ impl System {
         forces: &Forces,
         h: f32,
         budget: &Budget,
+        before: &Before,
     ) -> Result<StepReport, SolverError> {
         if !self.has_state {
             return Err(SolverError::NoState);
@@ -281,14 +282,13 @@ impl System {
         let mut report = StepReport::default();
         self.engine.prepare(small_h)?;
         report.times.setup = start.elapsed().as_secs_f64();
-        let before = self.before();
         for substep in 0..n_substeps {
             let share = share_of(budget, substep, n_substeps);
             if let Some(collisions) = &mut self.collisions {
                 collisions.begin(substep, n_substeps);
             }
             if let Err(error) = self.substep(forces, small_h, &share, start, &mut report) {
-                return Err(self.undo(error, &before));
+                return Err(self.undo(error, before));
             }
         }
         let finish_start = Instant::now();

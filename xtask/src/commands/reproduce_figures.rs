@@ -8,7 +8,7 @@ use crate::report::Progress;
 
 /// Make the paper's figures anew and write a report
 ///
-/// Without --quick or --full it takes an hour or so (two idle cores). The report is one page that
+/// Without --quick or --full it takes an hour, by estimate, on two idle cores. The report is one page that
 /// needs no other file, beside the figures (SVG, PNG) and the data (CSV, JSON).
 #[derive(Debug, clap::Args)]
 pub struct Args {

@@ -16,8 +16,8 @@ use strain::Strain;
 /// Run a scene: meshes, measures and pictures to a folder
 ///
 /// SCENE is a .ron or .json file, or the name of a ready-made scene: tablecloth,
-/// armadillo, beam, curtain (their files are in assets/scenes). DIR gets frames.csv, a
-/// row for each frame, and a mesh of the start and of every Mth frame. Under
+/// armadillo, beam, curtain, drape (their files are in assets/scenes). DIR gets
+/// frames.csv, a row for each frame, and a mesh of the start and of every Mth frame. Under
 /// --iterations the result is the same on every run and any number of threads.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]

@@ -12,7 +12,7 @@ use crate::tradeoff::{self, Effort};
 /// Measure error against time of every solver on a scene and say which to take
 ///
 /// SCENE is a .ron or .json file, or the name of a ready-made scene: tablecloth,
-/// armadillo, beam, curtain. For budgets of 1 to 33 ms: the most accurate setting that
+/// armadillo, beam, curtain (none with collisions). For budgets of 1 to 33 ms: the most accurate setting that
 /// is stable in a short animation, with the line of Rust that sets it. Some minutes.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]

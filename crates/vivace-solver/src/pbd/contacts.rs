@@ -29,6 +29,8 @@ pub(super) struct Contacts {
     lambdas: Vec<Vec4>,
     history: History<Vec4>,
     moves: Vec<[Vec4; 4]>,
+    /// Scratch: colors at each particle.
+    taken: Vec<Vec<u32>>,
 }
 
 impl Contacts {
@@ -41,7 +43,7 @@ impl Contacts {
         };
         let is_soft = |&k: &usize| softness(k) > 0.0;
         let all: Vec<usize> = (0..found.contacts.len()).filter(is_soft).collect();
-        let colors = color(found, &all, q);
+        let colors = color(found, &all, q, &mut self.taken);
         let n_colors = colors.iter().map(|&color| color as usize + 1).max().unwrap_or(0);
         let classes = vivace_graph::Csr::group_by(n_colors, &colors);
         self.colors.clear();
@@ -172,8 +174,8 @@ fn correct(rest: &Contact, particles: &[u32; 4], xpbd: &Xpbd, q: &[Vec4], lambda
 }
 
 /// A color for each of `all`, by first fit: two that share a free particle differ. Work in proportion to the contacts.
-fn color(found: &Found<'_>, all: &[usize], q: &[Vec4]) -> Vec<u32> {
-    let mut taken: Vec<Vec<u32>> = vec![Vec::new(); q.len()];
+fn color(found: &Found<'_>, all: &[usize], q: &[Vec4], taken: &mut Vec<Vec<u32>>) -> Vec<u32> {
+    taken.resize(q.len(), Vec::new());
     let mut used = Vec::new();
     let mut colors = Vec::with_capacity(all.len());
     for &k in all {
@@ -190,5 +192,6 @@ fn color(found: &Found<'_>, all: &[usize], q: &[Vec4]) -> Vec<u32> {
         particles.for_each(|p| taken[p].push(color));
         colors.push(color);
     }
+    all.iter().flat_map(|&k| found.contacts[k].particles).for_each(|p| taken[p as usize].clear());
     colors
 }

@@ -199,7 +199,7 @@ impl ProjectiveDynamics {
             _ => vertices.by_diagonal(slice, residual),
         };
         let step = step * f32x8::splat(omega);
-        if self.contacts.is_none() { step } else { self.with_contacts(slice, q, step, omega, turn) }
+        if self.contacts.is_none() { step } else { self.with_contacts(slice, q, residual, step, omega, turn) }
     }
 
     /// `b − Y q` of the vertices of a slice without contacts \[N\].

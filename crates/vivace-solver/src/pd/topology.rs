@@ -141,9 +141,8 @@ fn pairs(vertices: &[u32]) -> impl Iterator<Item = [u32; 2]> {
 
 /// What is in `old` alone, and what in `new` alone; both ascend.
 fn differences(old: &[[u32; 2]], new: &[[u32; 2]]) -> (Vec<[u32; 2]>, Vec<[u32; 2]>) {
-    let lacks = |of: &[[u32; 2]]| {
-        let of = of.to_vec();
-        move |edge: &&[u32; 2]| of.binary_search(edge).is_err()
+    let without = |these: &[[u32; 2]], those: &[[u32; 2]]| -> Vec<[u32; 2]> {
+        these.iter().filter(|edge| those.binary_search(edge).is_err()).copied().collect()
     };
-    (old.iter().filter(lacks(new)).copied().collect(), new.iter().filter(lacks(old)).copied().collect())
+    (without(old, new), without(new, old))
 }

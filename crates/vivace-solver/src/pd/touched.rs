@@ -22,13 +22,14 @@ pub(super) enum Turn {
 }
 
 impl ProjectiveDynamics {
-    /// The steps of a slice, with those of vertices that have contacts instead. They are not over-relaxed: a cloth on a sphere would
+    /// The steps of a slice without contacts, whose forces are `residual`, with those of vertices that have contacts instead. They are not over-relaxed: a cloth on a sphere would
     /// not come to rest.
     #[cold]
     pub(super) fn with_contacts(
         &self,
         slice: usize,
         q: &Points,
+        residual: Lanes3,
         step: Lanes3,
         omega: f32,
         turn: Turn,
@@ -40,7 +41,7 @@ impl ProjectiveDynamics {
         if moved | touched == 0 {
             return step;
         }
-        let (mut steps, forces) = (step.to_array(), self.forces(slice, q).to_array());
+        let (mut steps, forces) = (step.to_array(), residual.to_array());
         let (first, n) = self.slices.slices[slice];
         for lane in 0..n {
             let vertex = first + lane;
