@@ -43,6 +43,11 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     let (scene, folder) = scene::load(&args.scene, args.vertices)?;
     let named =
         |error: &dyn std::fmt::Display| CommandError::Failed(format!("{}: {error}", args.scene.display()));
+    if scene.collisions.is_some() {
+        let words =
+            "the answer that errors are measured against has no contacts; take `collisions` out of the scene";
+        return Err(named(&words));
+    }
     let scene = pool.install(|| Scene::build(&scene, &folder)).map_err(|e| named(&e))?;
     let mut command = format!("cargo xtask tradeoff {}", quoted(&args.scene));
     if args.quick {

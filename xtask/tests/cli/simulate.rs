@@ -65,6 +65,7 @@ fn the_trade_of_any_scene_is_measured_and_a_bad_one_refused_by_line() {
         ("bad.ron", &["bad.ron, line 4", "float", "write there"][..]),
         ("held.ron", &["held.ron: body 0 (Cloth): pins[0] selects no particle"]),
         ("gone.ron", &["gone.ron", "curtain"]),
+        ("drape", &["drape", "take `collisions` out"]),
     ] {
         let said = bench.run(&["tradeoff", scene, "--out", "out"]);
         assert_eq!(said.code, 1, "{}", said.err);
