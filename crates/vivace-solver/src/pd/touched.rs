@@ -15,8 +15,8 @@ use crate::{SolverError, VertexSolve};
 pub(super) enum Turn {
     /// That of a class: who has moved to another color stays.
     Class,
-    /// That of a vertex on its own.
-    One,
+    /// That of the vertex in this lane on its own.
+    One(usize),
     /// That of all vertices at once.
     All,
 }
@@ -37,7 +37,8 @@ impl ProjectiveDynamics {
         let Some(all) = &self.contacts else { return step };
         let (contacts, topology) = &**all;
         let moved = if turn == Turn::Class { topology.mask(slice) } else { 0 };
-        let touched = contacts.mask(slice) & !moved;
+        let asked = if let Turn::One(lane) = turn { 1 << lane } else { u8::MAX };
+        let touched = contacts.mask(slice) & asked & !moved;
         if moved | touched == 0 {
             return step;
         }
@@ -70,7 +71,8 @@ impl ProjectiveDynamics {
     /// What one vertex moves by \[m\].
     pub(super) fn step_of(&self, vertex: usize, omega: f32) -> Vec3A {
         let slice = self.slices.of_vertex(vertex);
-        self.step(slice, &self.q, omega, Turn::One).to_array()[vertex - self.slices.slices[slice].0]
+        let lane = vertex - self.slices.slices[slice].0;
+        self.step(slice, &self.q, omega, Turn::One(lane)).to_array()[lane]
     }
 
     /// Who has `color` and is not in its class.
