@@ -5,6 +5,7 @@
 mod blow;
 mod copy_vector;
 mod extrapolate;
+mod place;
 mod predict;
 mod set_vector;
 mod squared_distance;
@@ -17,6 +18,7 @@ use crate::Shader;
 pub use blow::{Blow, BlowUniform};
 pub use copy_vector::CopyVector;
 pub use extrapolate::{Extrapolate, ExtrapolateUniform};
+pub use place::Place;
 pub use predict::{Predict, PredictUniform};
 pub use set_vector::{SetVector, SetVectorUniform};
 pub use squared_distance::SquaredDistance;
@@ -25,10 +27,11 @@ pub use sum::{BLOCK, Sum, SumUniform};
 pub use update_velocity::{UpdateVelocity, UpdateVelocityUniform};
 
 /// Every kernel of this module.
-pub const SHADERS: [Shader; 9] = [
+pub const SHADERS: [Shader; 10] = [
     Shader::map::<Blow>(),
     Shader::map::<CopyVector>(),
     Shader::map::<Extrapolate>(),
+    Shader::update::<Place>(),
     Shader::map::<Predict>(),
     Shader::map::<SetVector>(),
     Shader::map::<SquaredDistance>(),

@@ -1,7 +1,7 @@
 //! Scenes that are ready made. `assets/scenes/` holds the same as files.
 
 use glam::Vec3;
-use vivace_model::{Forces, Wind};
+use vivace_model::{Forces, TearLimit, Wind};
 
 use crate::{
     Body, Collisions, Material, Obstacle, Pattern, Scene, Select, Shape, Solid, Source, VolumeStiffness,
@@ -9,7 +9,7 @@ use crate::{
 
 impl Scene {
     /// Names that [`Scene::named`] knows.
-    pub const NAMES: [&str; 5] = ["tablecloth", "armadillo", "beam", "curtain", "drape"];
+    pub const NAMES: [&str; 6] = ["tablecloth", "armadillo", "beam", "curtain", "drape", "flag"];
 
     /// A ready-made scene, in the size of its file in `assets/scenes/`.
     #[must_use]
@@ -20,6 +20,7 @@ impl Scene {
             "beam" => Some(beam()),
             "curtain" => Some(curtain()),
             "drape" => Some(drape(100)),
+            "flag" => Some(flag(64)),
             _ => None,
         }
     }
@@ -114,6 +115,39 @@ pub fn drape(n: usize) -> Scene {
         bodies: vec![Body { at: Vec3::new(-0.495, 0.7, -0.495), ..Body::new(shape, Material::cloth()) }],
         time_step: 1.0 / 60.0,
         collisions: Some(Collisions::new(0.4 * spacing, vec![sphere, floor])),
+        ..Scene::default()
+    }
+}
+
+/// A flag of 1.5 × 1 m on its pole, `n` + 1 vertices along its length, in a wind that it does not stand: springs break above a strain
+/// of half, less or more by a quarter, and it tears.
+#[must_use]
+pub fn flag(n: usize) -> Scene {
+    let spacing = 1.5 / n as f32;
+    let height = 1 + (2 * n).div_ceil(3);
+    let shape = Shape::Cloth { width: n + 1, height, spacing, pattern: Pattern::Alternating };
+    let material = match Material::cloth() {
+        Material::Cloth { density, springs, bending, strain, .. } => {
+            let tear = Some(TearLimit { strain: 0.5, variation: 0.25, seed: 1 });
+            Material::Cloth { density, springs, bending, strain, tear }
+        }
+        other => other,
+    };
+    let pole = Select::Box { min: Vec3::splat(-0.001), max: Vec3::new(0.001, 0.001, 9.0) };
+    Scene {
+        name: "flag".to_owned(),
+        bodies: vec![Body {
+            rotate: Vec3::new(90.0, 0.0, 0.0),
+            at: Vec3::new(0.0, 2.0, 0.0),
+            pins: vec![pole],
+            ..Body::new(shape, material)
+        }],
+        forces: Forces {
+            damping: 0.2,
+            wind: Some(Wind { velocity: Vec3::new(12.0, 0.0, 2.5), drag: 0.5 }),
+            ..Forces::default()
+        },
+        time_step: 1.0 / 60.0,
         ..Scene::default()
     }
 }

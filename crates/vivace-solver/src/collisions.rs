@@ -15,6 +15,7 @@ use crate::{ContactReport, Recoloring, SolverError};
 /// any other while it is solved; and what would pass through after that is held back.
 pub struct Collisions {
     detector: Detector,
+    rest: Vec<Vec3>,
     /// How the coloring follows.
     pub recoloring: Recoloring,
     obstacles: Vec<Obstacle>,
@@ -37,7 +38,25 @@ impl Collisions {
     pub fn new(model: &Model, rest: &[Vec3], options: Options) -> Result<Self, CollisionError> {
         let detector = Detector::new(model.surface(), rest, options)?;
         let (obstacles, now, contacts) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Self { detector, recoloring: Recoloring::default(), obstacles, now, contacts })
+        let rest = rest.to_vec();
+        Ok(Self { detector, rest, recoloring: Recoloring::default(), obstacles, now, contacts })
+    }
+
+    /// For `model`, whose first `n` particles are those of now: copies rest where what they are copies of does. So sides of a tear, which
+    /// touch at rest, have no contacts with one another.
+    pub(crate) fn torn(&self, model: &Model, n: usize) -> Result<(Detector, Vec<Vec3>), CollisionError> {
+        let n_built = model.n_particles() - model.parents().len();
+        let mut rest = self.rest[..n].to_vec();
+        for &parent in &model.parents()[n - n_built..] {
+            rest.push(rest[parent as usize]);
+        }
+        Ok((Detector::new(model.surface(), &rest, *self.detector.options())?, rest))
+    }
+
+    /// Takes what [`Collisions::torn`] has made.
+    pub(crate) fn set_torn(&mut self, (detector, rest): (Detector, Vec<Vec3>)) {
+        (self.detector, self.rest) = (detector, rest);
+        self.contacts.clear();
     }
 
     /// The obstacles, with their way in the next step, which checks them.

@@ -23,14 +23,20 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// How many passes beside the sweep itself an iteration has.
     fn n_passes(&self) -> usize;
 
-    /// Takes another solver.
+    /// Takes another solver, or another model, whose particles have these colors, if there are any.
     ///
     /// # Errors
     /// It does not exist here; the old one stays.
-    fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError>;
+    fn set_solver(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError>;
 
     /// Moves the target of attachment `idx`, which exists \[m\].
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
+
+    /// Takes the attachments of `model`, of which nothing else has changed. What held a state may have lost it.
+    ///
+    /// # Errors
+    /// What this engine does not hold; the old ones stay.
+    fn set_attachments(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError>;
 
     /// What depends on the time step alone. Returns at once where it is the same.
     ///
@@ -43,6 +49,9 @@ pub(crate) trait Engine: Debug + Send + Sync {
 
     /// Line 1: `q⁰ = q + h v + h² M⁻¹ f`.
     fn predict(&mut self, model: &Model, forces: &Forces, h: f32);
+
+    /// After line 1: puts pinned particles elsewhere \[m\].
+    fn place(&mut self, pins: &[(u32, Vec3)]);
 
     /// Whether it has what follows.
     fn has_collisions(&self) -> bool {

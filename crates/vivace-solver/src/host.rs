@@ -20,6 +20,9 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
     /// See [`Engine::set_attachment_target`].
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
 
+    /// See [`Engine::set_attachments`].
+    fn set_attachments(&mut self, model: &Model);
+
     /// See [`Engine::prepare`].
     fn prepare(&mut self, h: f32) -> Result<(), SolverError>;
 
@@ -60,10 +63,10 @@ pub(crate) struct Host {
 }
 
 /// The framework that `solver` asks for.
-fn framework(model: &Model, solver: &Solver) -> Result<Box<dyn Solve>, SolverError> {
+fn framework(model: &Model, solver: &Solver, colors: &[u32]) -> Result<Box<dyn Solve>, SolverError> {
     Ok(match solver.framework {
         Framework::ProjectiveDynamics { local, vertex } => {
-            Box::new(ProjectiveDynamics::new(model, local, vertex, solver.relaxation)?)
+            Box::new(ProjectiveDynamics::new(model, local, vertex, solver.relaxation, colors)?)
         }
         Framework::PositionBased => Box::new(PositionBased::new(model)?),
     })
@@ -74,10 +77,10 @@ impl Host {
     ///
     /// # Errors
     /// More constraints than 32 bits can number.
-    pub(crate) fn new(model: &Model, solver: &Solver) -> Result<Self, SolverError> {
+    pub(crate) fn new(model: &Model, solver: &Solver, colors: &[u32]) -> Result<Self, SolverError> {
         let zeros = || vec![Vec3::ZERO; model.n_particles()];
         Ok(Self {
-            framework: framework(model, solver)?,
+            framework: framework(model, solver, colors)?,
             before: zeros(),
             predicted: zeros(),
             after: zeros(),
@@ -98,8 +101,14 @@ impl Engine for Host {
         self.framework.n_passes()
     }
 
-    fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError> {
-        self.framework = framework(model, solver)?;
+    fn set_solver(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError> {
+        // Another model may have other particles.
+        *self = Self::new(model, solver, colors)?;
+        Ok(())
+    }
+
+    fn set_attachments(&mut self, model: &Model, _: &Solver, _: &[u32]) -> Result<(), SolverError> {
+        self.framework.set_attachments(model);
         Ok(())
     }
 
@@ -127,6 +136,10 @@ impl Engine for Host {
             let is_free = model.masses()[particle].is_finite();
             *predicted = if is_free { q + h * (v + h * self.accelerations[particle]) } else { q };
         }
+    }
+
+    fn place(&mut self, pins: &[(u32, Vec3)]) {
+        pins.iter().for_each(|&(particle, at)| self.predicted[particle as usize] = at);
     }
 
     fn has_collisions(&self) -> bool {

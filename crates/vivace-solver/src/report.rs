@@ -33,6 +33,21 @@ pub struct StepReport {
     /// Contacts; all 0 without collisions.
     #[serde(default)]
     pub contacts: ContactReport,
+    /// What tore at the end, where a simulation looks after that; all 0 where nothing did.
+    #[serde(default)]
+    pub tears: TearReport,
+}
+
+/// What tore. Counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TearReport {
+    /// Particles that have come to be.
+    pub copies: usize,
+    /// Corners of triangles that have a copy in place of what was there.
+    pub triangles: usize,
+    /// Springs between no triangles that broke.
+    pub springs: usize,
 }
 
 /// What collisions did in a step. Counts are sums over its small steps; depths are those of the last.
@@ -80,6 +95,9 @@ pub struct PhaseTimes {
     /// The guard that lets nothing pass.
     #[serde(default)]
     pub guard: f64,
+    /// Looking for what tears, and making the system anew where something did.
+    #[serde(default)]
+    pub tear: f64,
     /// Velocities, checks, and measures where they are asked for.
     pub finish: f64,
 }

@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use glam::{Vec3, Vec4};
+use vivace_coloring::color;
 use vivace_kernels::Backend;
-use vivace_model::{Forces, Model, ModelError, State, check_time_step};
+use vivace_model::{Forces, Model, ModelError, State, Tear, check_time_step};
 
 use crate::collisions::Collisions;
 use crate::contacts::ContactMemory;
@@ -28,6 +29,30 @@ pub struct System {
     collisions: Option<Collisions>,
     /// Whether the engine holds a state to go on from.
     has_state: bool,
+    /// Colors of the particles that were built, once a tear has made more of them: see [`System::tear`].
+    home: Vec<u32>,
+    /// Where pinned particles go in the next step, and in a small one.
+    moves: Vec<PinMove>,
+    pins: Vec<(u32, Vec3)>,
+}
+
+/// The way of a pinned particle in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PinMove {
+    /// The particle.
+    pub particle: u32,
+    /// Where it is at the start \[m\].
+    pub from: Vec3,
+    /// Where it is at the end \[m\].
+    pub to: Vec3,
+}
+
+impl PinMove {
+    /// Where it is at the end of small step `k` of `n`.
+    fn after(&self, k: u32, n: u32) -> (u32, Vec3) {
+        let to = if k + 1 == n { self.to } else { self.from.lerp(self.to, (k + 1) as f32 / n as f32) };
+        (self.particle, to)
+    }
 }
 
 /// A state where it lies on a device, for a renderer there.
@@ -68,7 +93,7 @@ impl System {
     /// Parameters out of range; a combination that does not exist; more constraints than 32 bits can number.
     pub fn new(model: Model, solver: Solver) -> Result<Self, SolverError> {
         solver.check()?;
-        let engine = Host::new(&model, &solver)?;
+        let engine = Host::new(&model, &solver, &[])?;
         Ok(Self::with_engine(model, solver, Box::new(engine)))
     }
 
@@ -95,7 +120,18 @@ impl System {
 
     fn with_engine(model: Model, solver: Solver, engine: Box<dyn Engine>) -> Self {
         let ease = Ease::default();
-        Self { model, solver, engine, ease, is_measuring: false, collisions: None, has_state: false }
+        Self {
+            model,
+            solver,
+            engine,
+            ease,
+            is_measuring: false,
+            collisions: None,
+            has_state: false,
+            home: Vec::new(),
+            moves: Vec::new(),
+            pins: Vec::new(),
+        }
     }
 
     /// The model.
@@ -117,7 +153,8 @@ impl System {
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SolverError> {
         solver.check()?;
         check_contacts(&solver, self.collisions.as_ref())?;
-        self.engine.set_solver(&self.model, &solver)?;
+        let colors = self.colors_of(&self.model);
+        self.engine.set_solver(&self.model, &solver, &colors)?;
         self.solver = solver;
         self.ease = Ease::default();
         self.has_state = false;
@@ -150,6 +187,99 @@ impl System {
         Ok(())
     }
 
+    /// Keeps the first `n` attachments, and puts `more` in place of the others: particle, target \[m\], stiffness \[N/m\]. The graph and its
+    /// coloring stay as they are; what depends on the diagonal of Y is made anew in the next step, a factor of Y too. (On a device in
+    /// Position Based Dynamics all is made anew.) Before [`System::advance`] a state has to be loaded.
+    ///
+    /// # Errors
+    /// As [`Model::replace_attachments`]; what a device does not hold. Nothing has changed.
+    pub fn replace_attachments(&mut self, n: usize, more: &[(u32, Vec3, f32)]) -> Result<(), SolverError> {
+        let kept: Vec<(u32, Vec3, f32)> = self.model.attachments().skip(n).collect();
+        self.model.replace_attachments(n, more)?;
+        let colors = self.colors_of(&self.model);
+        if let Err(error) = self.engine.set_attachments(&self.model, &self.solver, &colors) {
+            self.model.replace_attachments(n, &kept)?;
+            return Err(error);
+        }
+        self.has_state = false;
+        Ok(())
+    }
+
+    /// Takes what has become of the model by [`Model::pin`], [`Model::tear`] and the like: all but the coloring, which is inherited where
+    /// something is torn, and what the safeguard remembers is made anew.
+    ///
+    /// # Errors
+    /// As [`System::new`]; what detection refuses. The old model stays.
+    pub fn set_model(&mut self, model: Model) -> Result<(), SolverError> {
+        if self.home.is_empty() && model.parents().len() > self.model.parents().len() {
+            self.home = color(&self.model.graph()?).colors().to_vec();
+        }
+        let (parents, old) = (model.parents(), self.model.parents());
+        let n_same = parents.iter().zip(old).take_while(|(new, old)| new == old).count();
+        let n_kept = model.n_particles() - parents.len() + n_same;
+        let is_torn = model.surface() != self.model.surface();
+        let torn = self.collisions.as_ref().filter(|_| is_torn).map(|all| all.torn(&model, n_kept));
+        let torn = torn.transpose()?;
+        let colors = self.colors_of(&model);
+        self.engine.set_solver(&model, &self.solver, &colors)?;
+        if let (Some(collisions), Some(torn)) = (&mut self.collisions, torn) {
+            collisions.set_torn(torn);
+        }
+        self.model = model;
+        self.has_state = false;
+        self.moves.clear();
+        Ok(())
+    }
+
+    /// The colors that a torn model inherits: each copy has that of its parent, whose neighbors its own are copies of. None for a model that
+    /// is not torn.
+    fn colors_of(&self, model: &Model) -> Vec<u32> {
+        let n_built = model.n_particles() - model.parents().len();
+        if model.parents().is_empty() || self.home.len() < n_built {
+            return Vec::new();
+        }
+        // A system that was made of a torn model begins with more than was built.
+        let mut colors = self.home.clone();
+        colors.truncate(model.n_particles());
+        for &parent in &model.parents()[colors.len() - n_built..] {
+            colors.push(colors[parent as usize]);
+        }
+        colors
+    }
+
+    /// Tears the model and its state: see [`Model::find_tears`]. Costs what [`System::set_model`] does.
+    ///
+    /// # Errors
+    /// A state that is not of this model; tears that are not; what a device does not hold. Nothing has changed.
+    pub fn tear(&mut self, state: &mut State, tears: &[Tear]) -> Result<(), SolverError> {
+        state.check(&self.model)?;
+        let mut model = self.model.clone();
+        model.tear(tears)?;
+        self.set_model(model)?;
+        state.tear(tears);
+        Ok(())
+    }
+
+    /// Moves pinned particles in the next step, evenly over its small steps; in that after it they rest. Replaces what was asked for
+    /// before.
+    ///
+    /// # Errors
+    /// A particle that does not exist or is not pinned; a position that [`State::is_in_range`] refuses. Nothing has changed.
+    pub fn move_pins(&mut self, moves: &[PinMove]) -> Result<(), ModelError> {
+        for &PinMove { particle, from, to } in moves {
+            if particle as usize >= self.model.n_particles() || !self.model.is_pinned(particle) {
+                return Err(ModelError::NotPinned { particle });
+            }
+            if let Some(&value) = [from, to].iter().find(|at| !State::is_in_range(**at)) {
+                let (what, particle) = ("ways of pinned particles", particle as usize);
+                return Err(ModelError::NotFinite { what, particle, value });
+            }
+        }
+        self.moves.clear();
+        self.moves.extend_from_slice(moves);
+        Ok(())
+    }
+
     /// Lets the model collide, or no more.
     ///
     /// # Errors
@@ -160,7 +290,8 @@ impl System {
             return Err(SolverError::NoCollisions);
         }
         // Those of the last step are gone.
-        self.engine.set_solver(&self.model, &self.solver)?;
+        let colors = self.colors_of(&self.model);
+        self.engine.set_solver(&self.model, &self.solver, &colors)?;
         self.has_state = false;
         self.collisions = collisions;
         Ok(())
@@ -284,6 +415,8 @@ impl System {
         report.times.setup = start.elapsed().as_secs_f64();
         for substep in 0..n_substeps {
             let share = share_of(budget, substep, n_substeps);
+            self.pins.clear();
+            self.pins.extend(self.moves.iter().map(|way| way.after(substep, n_substeps)));
             if let Some(collisions) = &mut self.collisions {
                 collisions.begin(substep, n_substeps);
             }
@@ -292,6 +425,7 @@ impl System {
             }
         }
         let finish_start = Instant::now();
+        self.moves.clear();
         if self.is_measuring {
             self.measure(&mut report);
         }
@@ -326,6 +460,9 @@ impl System {
     ) -> Result<(), SolverError> {
         let predict_start = Instant::now();
         self.engine.predict(&self.model, forces, h);
+        if !self.pins.is_empty() {
+            self.engine.place(&self.pins);
+        }
         let detect_start = Instant::now();
         report.times.predict += (detect_start - predict_start).as_secs_f64();
         if let Some(collisions) = &mut self.collisions {

@@ -8,7 +8,7 @@ use vivace_cpu::Cpu;
 use vivace_gpu::{Footprint, Gpu, GpuError, wgpu};
 use vivace_kernels::Backend;
 use vivace_model::{Forces, State, Wind};
-use vivace_solver::{Budget, Relaxation, Solver, SolverError, StepReport, System};
+use vivace_solver::{Budget, PinMove, Relaxation, Solver, SolverError, StepReport, System};
 use vivace_tests::naive::Naive;
 use vivace_tests::scenes::{
     Bodies, Kind, STEP, Scene, cloth, gauss_seidel, jitter, plain, projective_dynamics, relaxations,
@@ -100,6 +100,46 @@ fn mismatch(
     }
     assert_ne!(on_gpu.positions, scene.1.positions);
     None
+}
+
+/// Particles on springs of their own and pinned ones, taken, led and let go.
+fn lead(mut system: System, mut state: State) -> State {
+    let budget = Budget::iterations(10);
+    for frame in 0..5 {
+        let mut model = system.model().clone();
+        match frame {
+            1 => {
+                model.pin(60).unwrap();
+                model.replace_attachments(0, &[(20, state.positions[20] + Vec3::Y * 0.1, 300.0)]).unwrap();
+                system.set_model(model).unwrap();
+            }
+            2 => system.replace_attachments(0, &[(21, Vec3::new(0.5, 0.2, 0.5), 200.0)]).unwrap(),
+            4 => {
+                model.unpin(60).unwrap();
+                system.set_model(model).unwrap();
+                system.replace_attachments(0, &[]).unwrap();
+            }
+            _ => {}
+        }
+        if (1..4).contains(&frame) {
+            let from = state.positions[60];
+            system.move_pins(&[PinMove { particle: 60, from, to: from + Vec3::Y * 0.01 }]).unwrap();
+        }
+        system.step(&mut state, &Forces::default(), STEP, budget).unwrap();
+    }
+    state
+}
+
+#[test]
+fn what_is_led_moves_as_on_the_cpu() {
+    for solver in solvers() {
+        let solver = Solver { substeps: 2, ..solver };
+        let (model, state) = cloth(8, 100.0, Some(1e-5));
+        let on_gpu = lead(System::on(model.clone(), solver, gpu()).unwrap(), state.clone());
+        let on_host = lead(System::new(model, solver).unwrap(), state);
+        let apart = distance(&on_gpu, &on_host);
+        assert!(apart < 2e-4, "{apart} m from the engine on the CPU by {solver:?}");
+    }
 }
 
 #[test]

@@ -9,8 +9,9 @@ use vivace_kernels::pd::{
     RowEnergy, SLICE, SpringBlock, SpringPull, SpringTap, Tap,
 };
 use vivace_kernels::step::{
-    Blow, BlowUniform, CopyVector, Extrapolate, ExtrapolateUniform, Predict, PredictUniform, SetVector,
-    SetVectorUniform, SquaredDistance, SquaredLength, Sum, SumUniform, UpdateVelocity, UpdateVelocityUniform,
+    Blow, BlowUniform, CopyVector, Extrapolate, ExtrapolateUniform, Place, Predict, PredictUniform,
+    SetVector, SetVectorUniform, SquaredDistance, SquaredLength, Sum, SumUniform, UpdateVelocity,
+    UpdateVelocityUniform,
 };
 use vivace_kernels::{Backend, HostViews, Kernel, Map, View, pd, step};
 use vivace_tests::naive::Naive;
@@ -182,6 +183,7 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
         map!(Blow, &blow, (backend.view(&on.offsets), backend.view(&on.corners), a, b), vectors),
         map!(CopyVector, &(), (a,), vectors),
         map!(Extrapolate, &ExtrapolateUniform { omega: 1.3 }, (a,), vectors),
+        (Place::NAME, written(&on, vectors, |own| backend.update::<Place>(list, &(), (a,), own))?),
         map!(Predict, &PredictUniform { h: 0.03 }, (a, b, c), vectors),
         map!(SetVector, &SetVectorUniform { value: Vec4::new(1.0, 2.0, 3.0, 4.0) }, (), vectors),
         map!(SquaredDistance, &(), (a, b), &data.numbers),

@@ -10,10 +10,12 @@ mod conservation;
 mod contacts;
 mod convergence;
 mod determinism;
+mod dragging;
 mod extremes;
 mod linear;
 mod pays_for_what_it_holds;
 mod symmetry;
+mod tearing;
 mod verification;
 mod wind;
 

@@ -6,7 +6,7 @@ mod strain;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use vivace_sim::{Budget, SimError, Simulation, Snapshot, Solver, StepReport, Stop};
+use vivace_sim::{Budget, SimError, Simulation, Snapshot, Solver, StepReport, Stop, TearReport};
 
 use super::{CommandError, output, scene};
 use crate::report::Progress;
@@ -16,7 +16,7 @@ use strain::Strain;
 /// Run a scene: meshes, measures and pictures to a folder
 ///
 /// SCENE is a .ron or .json file, or the name of a ready-made scene: tablecloth,
-/// armadillo, beam, curtain, drape (their files are in assets/scenes). DIR gets
+/// armadillo, beam, curtain, drape, flag (their files are in assets/scenes). DIR gets
 /// frames.csv, a row for each frame, and a mesh of the start and of every Mth frame. Under
 /// --iterations the result is the same on every run and any number of threads.
 #[derive(Debug, clap::Args)]
@@ -65,7 +65,7 @@ pub struct Args {
     quiet: bool,
 }
 
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 16] = [
     "frame",
     "time_s",
     "iterations",
@@ -78,6 +78,9 @@ const COLUMNS: [&str; 13] = [
     "total_ms",
     "mean_strain",
     "max_strain",
+    "particles",
+    "torn_corners",
+    "tear_ms",
     "stop",
 ];
 
@@ -92,7 +95,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     let mut simulation =
         Simulation::new_in(&scene, &folder, solver).map_err(|error| failed(&args.scene, &error))?;
     simulation.set_measuring(args.measure);
-    let strain = Strain::at_rest(simulation.model(), simulation.positions());
+    let mut strain = Strain::at_rest(simulation.model(), simulation.positions());
     if let Some(path) = &args.resume {
         let text = std::fs::read_to_string(path).map_err(|error| {
             CommandError::Failed(format!(
@@ -102,6 +105,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
         })?;
         let restored = Snapshot::from_json(&text).and_then(|snapshot| simulation.restore(&snapshot));
         restored.map_err(|error| failed(path, &error))?;
+        strain = strain.torn(simulation.model());
     }
     let budget = match args.budget_ms {
         Some(ms) => Budget::milliseconds(ms),
@@ -135,6 +139,9 @@ pub fn run(args: Args) -> Result<(), CommandError> {
             ))
         })?;
         let total = start.elapsed().as_secs_f64();
+        if report.tears != TearReport::default() {
+            strain = strain.torn(simulation.model());
+        }
         let row = row(&simulation, &report, total, strain.measure(simulation.positions()));
         table.write_record(row).map_err(csv_failed)?;
         if (done + 1) % args.every == 0 {
@@ -152,7 +159,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     if args.quiet { Ok(()) } else { output::print(&format!("{}\n", path.display())) }
 }
 
-fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 13] {
+fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 16] {
     let stop = match report.stop {
         Stop::Iterations => "iterations",
         Stop::Time => "time",
@@ -174,6 +181,9 @@ fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f
         number(total * 1e3),
         number(mean),
         number(max),
+        simulation.positions().len().to_string(),
+        report.tears.triangles.to_string(),
+        number(report.times.tear * 1e3),
         stop.to_owned(),
     ]
 }

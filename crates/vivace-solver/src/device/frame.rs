@@ -69,7 +69,12 @@ pub(super) struct Frame<B: Backend> {
 
 impl<B: Backend + 'static> Frame<B> {
     /// Colors the model's graph, lays out the rows of Y, and takes all memory.
-    pub(super) fn new(backend: &B, model: &Model, solver: &Solver) -> Result<Self, SolverError> {
+    pub(super) fn new(
+        backend: &B,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+    ) -> Result<Self, SolverError> {
         let local = match solver.framework {
             Framework::ProjectiveDynamics { vertex: VertexSolve::Block, .. } => Local::Blocks,
             Framework::ProjectiveDynamics { local: LocalStep::Split { sweeps }, .. } => {
@@ -82,7 +87,7 @@ impl<B: Backend + 'static> Frame<B> {
             _ => Base::Latest,
         };
         let graph = model.graph()?;
-        let layout = Layout::new(model, &graph);
+        let layout = Layout::new(model, &graph, colors)?;
         let rows_on_host = Rows::new(model, &graph, &layout);
         let rows = DeviceRows::new(backend, &rows_on_host);
         let passes = Passes::of(backend, model, &layout)?;
@@ -227,6 +232,12 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         }
     }
 
+    fn set_attachments(&mut self, model: &Model) -> bool {
+        self.attachments = attachments(model, &self.layout);
+        self.h = 0.0;
+        true
+    }
+
     /// The parameters of a time step `h` \[s\]: inertia and diagonal.
     fn prepare(&mut self, backend: &B, h: f32) -> Result<(), SolverError> {
         if self.h != h {
@@ -253,6 +264,10 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32) {
         self.motion.predict(backend, model, &self.layout, forces, h);
+    }
+
+    fn place(&mut self, backend: &B, pins: &[(u32, Vec3)]) {
+        self.motion.place(backend, &self.layout, pins);
     }
 
     /// Makes anchors of what was predicted.

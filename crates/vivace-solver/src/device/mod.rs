@@ -47,9 +47,14 @@ trait Solve<B: Backend>: Send {
         1
     }
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
+    /// Takes the attachments of `model`, of which nothing else has changed; `false` where that has to be made anew.
+    fn set_attachments(&mut self, _model: &Model) -> bool {
+        false
+    }
     fn prepare(&mut self, backend: &B, h: f32) -> Result<(), SolverError>;
     fn load(&mut self, backend: &B, state: &State);
     fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32);
+    fn place(&mut self, backend: &B, pins: &[(u32, Vec3)]);
     fn begin(&mut self, backend: &B, h: f32);
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32);
     fn store(&mut self, backend: &B, model: &Model, state: &mut State) -> Result<(), SolverError>;
@@ -74,10 +79,11 @@ fn frame<B: Backend + 'static>(
     backend: &B,
     model: &Model,
     solver: &Solver,
+    colors: &[u32],
 ) -> Result<Box<dyn Solve<B>>, SolverError> {
     check(solver)?;
     Ok(match solver.framework {
-        Framework::ProjectiveDynamics { .. } => Box::new(Frame::new(backend, model, solver)?),
+        Framework::ProjectiveDynamics { .. } => Box::new(Frame::new(backend, model, solver, colors)?),
         Framework::PositionBased => Box::new(PositionBased::new(backend, model, solver.relaxation)?),
     })
 }
@@ -95,7 +101,7 @@ impl<B: Backend + 'static> OnDevice<B> {
     /// # Errors
     /// What no device does; an array that this one does not hold.
     pub(crate) fn new(backend: B, model: &Model, solver: &Solver) -> Result<Self, SolverError> {
-        let frame = frame(&backend, model, solver)?;
+        let frame = frame(&backend, model, solver, &[])?;
         let (n_colors, n_passes) = (frame.n_colors(), frame.n_passes());
         Ok(Self { device: Mutex::new(Device { backend, frame }), n_colors, n_passes })
     }
@@ -145,9 +151,9 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         self.n_passes
     }
 
-    fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError> {
+    fn set_solver(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        *frame = self::frame(backend, model, solver)?;
+        *frame = self::frame(backend, model, solver, colors)?;
         let counts = (frame.n_colors(), frame.n_passes());
         (self.n_colors, self.n_passes) = counts;
         Ok(())
@@ -155,6 +161,14 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
 
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
         self.device().frame.set_attachment_target(idx, target);
+    }
+
+    fn set_attachments(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError> {
+        if self.device().frame.set_attachments(model) {
+            Ok(())
+        } else {
+            self.set_solver(model, solver, colors)
+        }
     }
 
     fn prepare(&mut self, h: f32) -> Result<(), SolverError> {
@@ -170,6 +184,11 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
     fn predict(&mut self, model: &Model, forces: &Forces, h: f32) {
         let Device { backend, frame } = self.device();
         frame.predict(backend, model, forces, h);
+    }
+
+    fn place(&mut self, pins: &[(u32, Vec3)]) {
+        let Device { backend, frame } = self.device();
+        frame.place(backend, pins);
     }
 
     fn begin(&mut self, h: f32) {

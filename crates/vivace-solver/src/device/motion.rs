@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 use vivace_kernels::Backend;
 use vivace_kernels::step::{
-    Blow, BlowUniform, Predict, PredictUniform, SetVector, SetVectorUniform, UpdateVelocity,
+    Blow, BlowUniform, Place, Predict, PredictUniform, SetVector, SetVectorUniform, UpdateVelocity,
     UpdateVelocityUniform,
 };
 use vivace_model::{Forces, Model, State, Wind};
@@ -24,6 +24,8 @@ pub(super) struct Motion<B: Backend> {
     gravity: Option<Vec3>,
     /// The triangles at each particle: made when wind first blows.
     surface: Option<Surface<B>>,
+    /// Where pinned particles go, and 1; 0 where they stay. Made when one first goes.
+    places: Option<B::Buffer<Vec4>>,
     inverse_masses: Vec<f32>,
     /// What the host has handed out last, and whether the device still has it.
     stored: State,
@@ -53,6 +55,7 @@ impl<B: Backend> Motion<B> {
             accelerations: zeros(),
             gravity: Some(Vec3::ZERO),
             surface: None,
+            places: None,
             inverse_masses: layout.order.iter().map(inverse_mass).collect(),
             stored: State { positions: nowhere(), velocities: nowhere() },
             is_stored: false,
@@ -85,6 +88,18 @@ impl<B: Backend> Motion<B> {
         let accelerations = backend.view(&self.accelerations);
         let inputs = (backend.view(&self.before), backend.view(&self.velocities), accelerations);
         backend.map::<Predict>(&self.all, &PredictUniform { h }, inputs, &mut self.q);
+    }
+
+    /// Puts pinned particles elsewhere.
+    pub(super) fn place(&mut self, backend: &B, layout: &Layout, pins: &[(u32, Vec3)]) {
+        let [on_host, _] = &mut self.on_host;
+        on_host.fill(Vec4::ZERO);
+        for &(particle, at) in pins {
+            on_host[layout.place[particle as usize] as usize] = at.extend(1.0);
+        }
+        let places = self.places.get_or_insert_with(|| backend.filled(on_host.len(), Vec4::ZERO));
+        backend.write(places, on_host);
+        backend.update::<Place>(&self.all, &(), (backend.view(places),), &mut self.q);
     }
 
     fn accelerate(&mut self, backend: &B, model: &Model, layout: &Layout, forces: &Forces, h: f32) {

@@ -125,6 +125,10 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.motion.predict(backend, model, &self.layout, forces, h);
     }
 
+    fn place(&mut self, backend: &B, pins: &[(u32, Vec3)]) {
+        self.motion.place(backend, &self.layout, pins);
+    }
+
     fn begin(&mut self, backend: &B, h: f32) {
         self.squared_h = h * h;
         let q = &self.motion.q;

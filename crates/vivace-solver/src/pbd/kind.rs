@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
-use vivace_kernels::constraint::{BATCH, Constraint, Xpbd};
+use vivace_kernels::constraint::{Attachment, BATCH, Constraint, Xpbd};
 use vivace_model::{KindVisitor, Model, Store};
 
 use super::arranged::Arranged;
-use super::coloring::color_constraints;
+use super::coloring::{color_attachments, color_constraints};
 use crate::SolverError;
 use crate::history::History;
 use crate::parallel::sum;
@@ -32,6 +32,8 @@ pub(super) trait Kind: Send + Sync + std::fmt::Debug {
     fn energy(&self, q: &[Vec4]) -> f64;
     /// Adds the gradient of their energy, w C ∇C, to each particle \[N\].
     fn add_gradient(&self, q: &[Vec4], sums: &mut [Vec4]);
+    /// How many colors there are, up to the last that this kind has.
+    fn n_colors(&self) -> u32;
     /// Counts the constraints of each particle.
     fn count(&self, counts: &mut [f32]);
     /// Moves the target of attachment `idx` of the model, if this kind is that of attachments.
@@ -66,30 +68,43 @@ pub(super) struct Kinds {
 }
 
 impl Kinds {
-    /// The kinds that the model holds, and the number of colors.
-    pub(super) fn of(model: &Model) -> Result<(Vec<Box<dyn Kind>>, u32), SolverError> {
+    /// The kinds that the model holds, that of attachments last.
+    pub(super) fn of(model: &Model) -> Result<Vec<Box<dyn Kind>>, SolverError> {
         let (colors, n_colors) = color_constraints(model)?;
         let mut kinds = Self { colors, n_colors, n_seen: 0, kinds: Vec::new() };
         model.constraints().visit(&mut kinds);
-        Ok((kinds.kinds, n_colors))
+        Ok(kinds.kinds)
     }
+}
+
+/// The kind of attachments, beside others of so many colors.
+pub(super) fn of_attachments(store: &Store<Attachment, 1>, n_colors: u32) -> Box<dyn Kind> {
+    let (colors, n_colors) = color_attachments(store, n_colors);
+    Box::new(KindOf::new(Arranged::new(store, &colors, n_colors)))
 }
 
 impl KindVisitor for Kinds {
     fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(&mut self, store: &Store<C, N>) {
         let of_kind = &self.colors[self.n_seen..self.n_seen + store.len()];
         self.n_seen += store.len();
-        let Arranged { colors, particles, rest, place } = Arranged::new(store, of_kind, self.n_colors);
-        self.kinds.push(Box::new(KindOf::<C, N, R> {
+        self.kinds.push(Box::new(KindOf::<C, N, R>::new(Arranged::new(store, of_kind, self.n_colors))));
+    }
+}
+
+impl<C: Constraint<N, R>, const N: usize, const R: usize> KindOf<C, N, R> {
+    fn new(arranged: Arranged<C, N>) -> Self {
+        let Arranged { colors, particles, rest, place } = arranged;
+        let n = rest.len();
+        Self {
             colors,
             particles,
             rest,
             place,
-            lambdas: vec![C::Multiplier::default(); store.len()],
-            history: History::new(store.len()),
+            lambdas: vec![C::Multiplier::default(); n],
+            history: History::new(n),
             h: 1.0,
-            moves: vec![[Vec4::ZERO; N]; store.len()],
-        }));
+            moves: vec![[Vec4::ZERO; N]; n],
+        }
     }
 }
 
@@ -117,7 +132,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
     }
 
     fn relax_color(&mut self, color: u32, omega: f32, q: &mut [Vec4]) {
-        let range = self.colors[color as usize].clone();
+        let Some(range) = self.colors.get(color as usize).cloned() else { return };
         let xpbd = Xpbd { squared_h: self.h * self.h, omega };
         let (rest, particles) = (&self.rest[range.clone()], &self.particles[range.clone()]);
         let lambdas = &mut self.lambdas[range.clone()];
@@ -193,6 +208,11 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
                 sums[p as usize] += (gradient * (rest.weight() * c)).extend(0.0);
             }
         }
+    }
+
+    fn n_colors(&self) -> u32 {
+        let last = self.colors.iter().rposition(|members| !members.is_empty());
+        last.map_or(0, |last| u32::try_from(last + 1).unwrap_or(u32::MAX))
     }
 
     fn count(&self, counts: &mut [f32]) {

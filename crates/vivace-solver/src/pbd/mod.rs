@@ -31,6 +31,8 @@ pub(crate) const TOLERATED_RISE: f64 = 1.0;
 #[derive(Debug)]
 pub(crate) struct PositionBased {
     kinds: Vec<Box<dyn Kind>>,
+    /// Whether the last of these is that of attachments, which come and go.
+    has_attachments: bool,
     /// Of these; those of contacts follow.
     n_colors: u32,
     contacts: Contacts,
@@ -52,27 +54,36 @@ impl PositionBased {
     /// # Errors
     /// More constraints than 32 bits can number.
     pub(crate) fn new(model: &Model) -> Result<Self, SolverError> {
-        let (kinds, n_colors) = Kinds::of(model)?;
         let n = model.n_particles();
-        let mut counts = vec![0.0; n];
-        kinds.iter().for_each(|kind| kind.count(&mut counts));
         let q: Vec<Vec4> = model.masses().iter().map(|mass| Vec3::ZERO.extend(1.0 / mass)).collect();
-        // What is pinned moves for nobody, however many ask.
-        counts.iter_mut().zip(&q).filter(|(_, q)| q.w == 0.0).for_each(|(count, _)| *count = 0.0);
         let n_free = q.iter().filter(|q| q.w > 0.0).count();
-        Ok(Self {
-            kinds,
-            n_colors,
+        let mut framework = Self {
+            kinds: Kinds::of(model)?,
+            has_attachments: !model.constraints().attachments.is_empty(),
+            n_colors: 0,
             contacts: Contacts::default(),
             n_free,
-            own_counts: counts.clone(),
-            counts,
+            own_counts: vec![0.0; n],
+            counts: Vec::new(),
             h: 0.0,
             predicted: q.clone(),
             q,
             history: History::new(n),
             sums: vec![Vec4::ZERO; n],
-        })
+        };
+        framework.count();
+        Ok(framework)
+    }
+
+    /// Counts colors, and the constraints of each particle.
+    fn count(&mut self) {
+        self.n_colors = self.kinds.iter().map(|kind| kind.n_colors()).max().unwrap_or(0);
+        self.own_counts.fill(0.0);
+        self.kinds.iter().for_each(|kind| kind.count(&mut self.own_counts));
+        // What is pinned moves for nobody, however many ask.
+        let pinned = self.own_counts.iter_mut().zip(&self.q).filter(|(_, q)| q.w == 0.0);
+        pinned.for_each(|(count, _)| *count = 0.0);
+        self.counts.clone_from(&self.own_counts);
     }
 }
 
@@ -90,6 +101,19 @@ impl Solve for PositionBased {
 
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
         self.kinds.iter_mut().for_each(|kind| kind.set_attachment_target(idx, target));
+    }
+
+    fn set_attachments(&mut self, model: &Model) {
+        if std::mem::take(&mut self.has_attachments) {
+            self.kinds.pop();
+        }
+        self.count();
+        let attachments = &model.constraints().attachments;
+        if !attachments.is_empty() {
+            self.kinds.push(kind::of_attachments(attachments, self.n_colors));
+            self.has_attachments = true;
+            self.count();
+        }
     }
 
     /// Nothing here depends on the time step alone.

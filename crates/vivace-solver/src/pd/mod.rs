@@ -124,15 +124,16 @@ const GRAIN: usize = 32 * LANES;
 const LARGE_GRAIN: usize = 1 << 14;
 
 impl ProjectiveDynamics {
-    /// Colors the model's graph and gathers the rows of Y, as `relaxation` needs them.
+    /// Colors the model's graph, if there are no `colors`, and gathers the rows of Y, as `relaxation` needs them.
     ///
     /// # Errors
-    /// More constraints than 32 bits can number.
+    /// More constraints than 32 bits can number; neighbors of one color.
     pub(crate) fn new(
         model: &Model,
         local: LocalStep,
         vertex: VertexSolve,
         relaxation: Relaxation,
+        colors: &[u32],
     ) -> Result<Self, SolverError> {
         let is_direct = matches!(relaxation, Relaxation::Direct);
         // What solves the linear system needs b apart from the sweeps.
@@ -143,7 +144,7 @@ impl ProjectiveDynamics {
             (local, vertex)
         };
         let graph = model.graph()?;
-        let layout = Layout::new(model, &graph);
+        let layout = Layout::new(model, &graph, colors)?;
         let rows = Rows::new(model, &graph, &layout);
         let slices = Slices::new(&rows, &layout.classes);
         let passes = Passes::of(model, &layout)?;
@@ -283,6 +284,12 @@ impl Solve for ProjectiveDynamics {
         if let Some(attachment) = self.attachments.get_mut(idx) {
             attachment.1 = target.into();
         }
+    }
+
+    /// They are on the diagonal alone: all that is made of it is made anew for the next step.
+    fn set_attachments(&mut self, model: &Model) {
+        self.attachments = attachments(model, &self.layout);
+        self.h = 0.0;
     }
 
     fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {

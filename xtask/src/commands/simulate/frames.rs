@@ -39,11 +39,20 @@ pub(super) struct Album {
     pictures: bool,
     animation: bool,
     kept: Vec<(u64, Vec<Vec3>)>,
+    /// The surface, and of how many pictures it is: it changes where something tears.
+    surfaces: Vec<(Vec<[u32; 3]>, usize)>,
 }
 
 impl Album {
     pub(super) fn new(folder: &Path, format: Format, pictures: bool, animation: bool) -> Self {
-        Self { folder: folder.to_owned(), format, pictures, animation, kept: Vec::new() }
+        Self {
+            folder: folder.to_owned(),
+            format,
+            pictures,
+            animation,
+            kept: Vec::new(),
+            surfaces: Vec::new(),
+        }
     }
 
     /// Takes the frame in.
@@ -51,6 +60,10 @@ impl Album {
         let (model, positions, frame) = (simulation.model(), simulation.positions(), simulation.frame());
         if self.pictures || self.animation {
             self.kept.push((frame, positions.to_vec()));
+            match self.surfaces.last_mut() {
+                Some((surface, n)) if surface == model.surface() => *n += 1,
+                _ => self.surfaces.push((model.surface().to_vec(), 1)),
+            }
         }
         let (extension, text) = match self.format {
             Format::None => return Ok(()),
@@ -77,8 +90,8 @@ impl Album {
         progress.note(&format!("drawing {} pictures", self.kept.len()));
         let camera = Camera::framing(self.kept.iter().flat_map(|(_, positions)| positions), DIRECTION);
         let mut images = Vec::new();
-        for (frame, positions) in &self.kept {
-            let triangles = simulation.model().surface();
+        let surfaces = self.surfaces.iter().flat_map(|(surface, n)| std::iter::repeat_n(surface, *n));
+        for ((frame, positions), triangles) in self.kept.iter().zip(surfaces) {
             let mesh = Mesh3 { positions, triangles, colors: Paint::Plain(COLOR) };
             let image = Picture::render(&[mesh], &camera, SIZE, SIZE);
             if self.pictures {
