@@ -137,11 +137,21 @@ pub enum ListShader {
     Scan,
     /// After a scan: the elements of both lists.
     Split,
+    /// How many elements of each group have each key.
+    CountKeys,
+    /// After a count of keys: where the elements of each begin.
+    ScanKeys,
+    /// After a scan of keys: the elements of all lists.
+    PlaceKeys,
 }
+
+/// Most keys of a sort, as in `run.wgsl`.
+pub const MOST_KEYS: u32 = 64;
 
 impl ListShader {
     /// Each of them.
-    pub const ALL: [Self; 4] = [Self::Fill, Self::All, Self::Scan, Self::Split];
+    pub const ALL: [Self; 7] =
+        [Self::Fill, Self::All, Self::Scan, Self::Split, Self::CountKeys, Self::ScanKeys, Self::PlaceKeys];
 
     /// File stem and label.
     #[must_use]
@@ -151,6 +161,9 @@ impl ListShader {
             Self::All => "all",
             Self::Scan => "scan",
             Self::Split => "split",
+            Self::CountKeys => "count_keys",
+            Self::ScanKeys => "scan_keys",
+            Self::PlaceKeys => "place_keys",
         }
     }
 
@@ -162,6 +175,9 @@ impl ListShader {
             Self::All => &[RUN, include_str!("device/all.wgsl")],
             Self::Scan => &[RUN, DECISIONS, include_str!("device/scan.wgsl")],
             Self::Split => &[RUN, DECISIONS, include_str!("device/split.wgsl")],
+            Self::CountKeys => &[RUN, include_str!("device/count_keys.wgsl")],
+            Self::ScanKeys => &[RUN, include_str!("device/scan_keys.wgsl")],
+            Self::PlaceKeys => &[RUN, include_str!("device/place_keys.wgsl")],
         };
         parts.join("\n")
     }

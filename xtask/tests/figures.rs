@@ -247,3 +247,47 @@ fn the_gpu_adds_curves_of_its_own() {
         }
     }
 }
+
+/// Figures 4 and 5 show what a GPU reaches beside the CPU; where a CPU plays it, at equal work alone and without a time.
+#[test]
+fn the_gpu_animates_as_the_cpu_does() {
+    let gpu = vivace_gpu::Gpu::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    let options = Options { with_gpu: true, ..options(out, &["4", "5"], None) };
+    figures::reproduce(&options, &mut Progress::silent()).unwrap();
+    let html = read(out, "report.html");
+    assert!(html.contains(&gpu.adapter().name) && html.contains("SOR 1.9 (GPU)"));
+    assert_eq!(html.contains("A CPU plays the GPU"), gpu.is_software());
+    for (id, n_times) in [("fig4", 2), ("fig5", 4)] {
+        for (file, n_rows) in [
+            (format!("{id}-runs.csv"), if gpu.is_software() { 2 } else { 2 + n_times } * 4),
+            (format!("{id}-frame.csv"), 4 * 4),
+        ] {
+            let mut csv = csv::Reader::from_path(out.join(&file)).unwrap();
+            let header = csv.headers().unwrap().clone();
+            let column = |name: &str| header.iter().position(|column| column == name).unwrap();
+            let rows: Vec<csv::StringRecord> = csv.records().map(Result::unwrap).collect();
+            let (on_cpu, on_gpu): (Vec<_>, Vec<_>) =
+                rows.iter().partition(|row| &row[column("device")] == "cpu");
+            assert_eq!(on_gpu.len(), n_rows, "{file}");
+            let is_runs = file.ends_with("runs.csv");
+            let (error, work, time) = if is_runs {
+                (column("median_error"), column("limit"), column("mean_ms"))
+            } else {
+                (column("error"), column("sweeps"), column("time_ms"))
+            };
+            for row in on_gpu {
+                let method = row[column("method")].trim_end_matches(" (GPU)");
+                let twin = on_cpu
+                    .iter()
+                    .find(|other| &other[column("method")] == method && other[work] == row[work]);
+                let [here, there] = [row, twin.unwrap()].map(|row| row[error].parse::<f64>().unwrap());
+                let is_equal_work = !row[work].contains("ms");
+                let is_close = (here - there).abs() <= 0.01 * there;
+                assert!(is_close || !is_equal_work, "{file}, {method}: {here}, {there} on the CPU");
+                assert_eq!(row[time].is_empty(), gpu.is_software(), "{file}");
+            }
+        }
+    }
+}

@@ -61,6 +61,9 @@ impl Pipelines {
                 ListShader::Fill => &[&[Write, Uniform, Uniform]],
                 ListShader::All | ListShader::Scan => &[&[Write, Write, Uniform]],
                 ListShader::Split => &[&[Read, Read, Uniform], &[Read, Write, Write]],
+                ListShader::CountKeys => &[&[Read, Write, Uniform]],
+                ListShader::ScanKeys => &[&[Write, Write, Uniform, Uniform]],
+                ListShader::PlaceKeys => &[&[Read, Read, Write, Uniform]],
             };
             Pipeline::new(device, shader.name(), &shader.wgsl(), groups)
         })

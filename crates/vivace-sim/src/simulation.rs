@@ -3,14 +3,22 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
+#[cfg(feature = "gpu")]
+use std::sync::Arc;
 use std::time::Instant;
 
 use vivace_model::{Forces, Model, ModelError, State, Tear, check_time_step};
 use vivace_scene::{Built, Held, Hold, Pose, Scene};
+#[cfg(feature = "gpu")]
+use vivace_solver::Resident;
 use vivace_solver::collision::Obstacle;
-use vivace_solver::{Budget, Collisions, ContactMemory, PinMove, Solver, SolverError, StepReport, System};
+use vivace_solver::{
+    Budget, Collisions, ContactMemory, Ease, PinMove, Solver, SolverError, StepReport, System,
+};
 
-use crate::{Backend, Grab, Patch, SimError, Snapshot, Torn, Vec3};
+#[cfg(feature = "gpu")]
+use crate::gpu::Gpu;
+use crate::{Backend, Grab, Patch, PendingPositions, SimError, Snapshot, Torn, Vec3};
 
 /// A model, its state, what acts on it, and a solver prepared for it.
 ///
@@ -24,6 +32,12 @@ pub struct Simulation {
     time_step: f32,
     frame: u64,
     time: f64,
+    /// What the host has seen last, where frames have passed since that it has not.
+    seen: Option<Seen>,
+    is_on_device: bool,
+    /// Where the solver has each particle, for positions that are read aside.
+    #[cfg(feature = "gpu")]
+    place: Option<Arc<[u32]>>,
     /// Where the scene's obstacles stand at the start, and how fast they move \[m/s\].
     obstacles: Vec<(Obstacle, Vec3)>,
     /// What the scene drags.
@@ -38,6 +52,14 @@ pub struct Simulation {
     tears: Vec<Torn>,
     /// The state before a step, of a model that may tear.
     before: State,
+}
+
+/// Where the state of a simulation is that of an earlier frame.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    frame: u64,
+    time: f64,
+    ease: Ease,
 }
 
 impl Simulation {
@@ -75,7 +97,12 @@ impl Simulation {
         Self::build(scene, Path::new("."), solver, backend)
     }
 
-    fn build(scene: &Scene, folder: &Path, solver: Solver, backend: Backend) -> Result<Self, SimError> {
+    pub(crate) fn build(
+        scene: &Scene,
+        folder: &Path,
+        solver: Solver,
+        backend: Backend,
+    ) -> Result<Self, SimError> {
         let Built { model, state, drags } = scene.build_all(folder)?;
         let mut simulation =
             Self::from_model_on(model, state, scene.forces, scene.time_step, solver, backend)?;
@@ -96,6 +123,7 @@ impl Simulation {
         collisions: Option<&vivace_scene::Collisions>,
         folder: &Path,
     ) -> Result<(), SimError> {
+        self.sync()?;
         let Some(of) = collisions else {
             self.obstacles.clear();
             return Ok(self.system.set_collisions(None)?);
@@ -154,6 +182,7 @@ impl Simulation {
         forces.check()?;
         check_time_step(time_step)?;
         let n_attachments = model.constraints().attachments.len();
+        let is_on_device = backend.is_device();
         let system = backend.system(model, solver)?;
         Ok(Self {
             system,
@@ -162,6 +191,10 @@ impl Simulation {
             time_step,
             frame: 0,
             time: 0.0,
+            seen: None,
+            is_on_device,
+            #[cfg(feature = "gpu")]
+            place: None,
             obstacles: Vec::new(),
             drags: Vec::new(),
             n_attachments,
@@ -180,13 +213,18 @@ impl Simulation {
     /// A budget or force that cannot be; particles that the scene is to drag now and cannot; a result that is not finite; a GPU that fails
     /// or is lost. The simulation is then as it was.
     pub fn step(&mut self, budget: Budget) -> Result<StepReport, SimError> {
+        if self.seen.is_some() && !self.needs_host() {
+            let report = self.advance(budget)?;
+            self.sync()?;
+            return Ok(report);
+        }
+        self.sync()?;
         self.place_obstacles();
         let (start, end) = (self.time, self.time + f64::from(self.time_step));
         let before = self.follow_drags(start, end)?;
         match self.lead(end).and_then(|()| self.step_and_tear(budget)) {
             Ok(report) => {
-                self.frame += 1;
-                self.time = end;
+                self.count_frame();
                 Ok(report)
             }
             Err(error) => {
@@ -230,6 +268,7 @@ impl Simulation {
             self.whole = Some(self.unheld()?);
         }
         self.system.tear(&mut self.state, &tears)?;
+        self.forget_place();
         self.grabs.iter_mut().for_each(|patch| patch.tear(&tears));
         for tear in &tears {
             match tear {
@@ -331,6 +370,7 @@ impl Simulation {
     /// # Ok::<(), vivace_sim::SimError>(())
     /// ```
     pub fn grab(&mut self, particles: &[u32], hold: Hold) -> Result<Grab, SimError> {
+        self.sync()?;
         let patch = self.patch(particles, hold, self.n_grabs)?;
         let grab = patch.grab;
         self.set_grabs(self.grabs.iter().cloned().chain([patch]).collect())?;
@@ -426,8 +466,94 @@ impl Simulation {
             model.replace_attachments(self.n_attachments, &springs)?;
             self.system.set_model(model)?;
         }
+        self.forget_place();
         self.grabs = grabs;
         Ok(())
+    }
+
+    fn count_frame(&mut self) {
+        self.frame += 1;
+        self.time += f64::from(self.time_step);
+    }
+
+    /// Whether a frame is led or ended by what the host sees: grabs, drags, tears.
+    fn needs_host(&self) -> bool {
+        !self.grabs.is_empty() || !self.drags.is_empty() || self.model().can_tear()
+    }
+
+    /// The system was prepared anew, in another order perhaps.
+    fn forget_place(&mut self) {
+        #[cfg(feature = "gpu")]
+        {
+            self.place = None;
+        }
+    }
+
+    /// The next frame, which on a GPU stays there: the host waits for nothing, and [`Simulation::positions`], [`Simulation::state`] and
+    /// [`Simulation::snapshot`] are those of the last frame that it has seen, until [`Simulation::sync`] or [`Simulation::step`]. A budget
+    /// of seconds or a tolerance makes it wait all the same. On the CPU, and while something is held or may tear, this is [`Simulation::step`].
+    ///
+    /// # Errors
+    /// As [`Simulation::step`]; what goes wrong on a GPU comes out of [`Simulation::sync`]. The simulation is then as the host has seen it
+    /// last.
+    pub fn advance(&mut self, budget: Budget) -> Result<StepReport, SimError> {
+        if !self.is_on_device || self.needs_host() {
+            return self.step(budget);
+        }
+        let seen = Seen { frame: self.frame, time: self.time, ease: self.system.ease() };
+        if self.seen.is_none() {
+            self.system.load(&self.state)?;
+        }
+        let report = self.system.advance(&self.forces, self.time_step, budget);
+        let report = report.map_err(|error| self.go_back(error))?;
+        self.seen.get_or_insert(seen);
+        self.count_frame();
+        Ok(report)
+    }
+
+    /// Lets the host see the last frame: waits for it, and reads it back. Returns at once where it has.
+    ///
+    /// # Errors
+    /// A result that is not finite; a GPU that has failed or is lost. The simulation is then as the host has seen it last.
+    pub fn sync(&mut self) -> Result<(), SimError> {
+        if self.seen.is_some() {
+            self.system.store(&mut self.state).map_err(|error| self.go_back(error))?;
+            self.seen = None;
+        }
+        Ok(())
+    }
+
+    /// What the host has not seen is lost.
+    fn go_back(&mut self, error: SolverError) -> SolverError {
+        if let Some(Seen { frame, time, ease }) = self.seen.take() {
+            (self.frame, self.time) = (frame, time);
+            self.system.set_ease(ease);
+        }
+        error
+    }
+
+    /// The positions of the last frame on their way to the host, which goes on: see [`PendingPositions`]. There may be several at the same
+    /// time; each holds the positions of its frame.
+    ///
+    /// # Errors
+    /// The GPU has no memory for them, or is lost.
+    pub fn read_positions(&mut self) -> Result<PendingPositions, SimError> {
+        #[cfg(feature = "gpu")]
+        if self.seen.is_some()
+            && let Some(Resident { backend, positions, place }) = self.system.resident::<Gpu>()
+        {
+            let copy = backend.read_back(positions)?;
+            let place = self.place.get_or_insert_with(|| place.into()).clone();
+            return Ok(PendingPositions::on_the_way(copy, place));
+        }
+        Ok(PendingPositions::here(self.state.positions.clone()))
+    }
+
+    /// The positions where they lie on the GPU, for a renderer on the same device: those of the last frame, once there was one. `None` on
+    /// the CPU.
+    #[cfg(feature = "gpu")]
+    pub fn resident(&mut self) -> Option<Resident<'_, Gpu>> {
+        self.system.resident()
     }
 
     /// Whether each step reports its objective \[J\] and residual \[N\], which takes about as long as two iterations, not counted
@@ -436,13 +562,13 @@ impl Simulation {
         self.system.set_measuring(is_on);
     }
 
-    /// Positions \[m\].
+    /// Positions \[m\], as the host has seen them last: see [`Simulation::advance`].
     #[must_use]
     pub fn positions(&self) -> &[Vec3] {
         &self.state.positions
     }
 
-    /// Positions and velocities.
+    /// Positions and velocities, as the host has seen them last: see [`Simulation::advance`].
     #[must_use]
     pub fn state(&self) -> &State {
         &self.state
@@ -455,6 +581,7 @@ impl Simulation {
     pub fn set_state(&mut self, state: State) -> Result<(), SimError> {
         state.check(self.system.model())?;
         self.state = state;
+        self.seen = None;
         Ok(())
     }
 
@@ -513,9 +640,15 @@ impl Simulation {
     /// Goes on with another solver.
     ///
     /// # Errors
-    /// It cannot be; the old one stays.
+    /// It cannot be; the old one stays. As [`Simulation::sync`].
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SimError> {
-        Ok(self.system.set_solver(solver)?)
+        self.sync()?;
+        self.system.set_solver(solver)?;
+        #[cfg(feature = "gpu")]
+        {
+            self.place = None;
+        }
+        Ok(())
     }
 
     /// Time from frame to frame \[s\].
@@ -546,15 +679,17 @@ impl Simulation {
         self.time
     }
 
-    /// All that changes, to be kept.
+    /// All that changes, to be kept, as the host has seen it last: see [`Simulation::advance`].
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
+        let now = Seen { frame: self.frame, time: self.time, ease: self.system.ease() };
+        let Seen { frame, time, ease } = self.seen.unwrap_or(now);
         Snapshot {
-            frame: self.frame,
-            time: self.time,
+            frame,
+            time,
             time_step: self.time_step,
             forces: self.forces,
-            ease: self.system.ease(),
+            ease,
             contacts: self.system.contact_memory(),
             grabs: self.grabs.clone(),
             n_grabs: self.n_grabs,
@@ -602,6 +737,7 @@ impl Simulation {
         }
         self.n_grabs = snapshot.n_grabs;
         self.system.set_ease(snapshot.ease);
+        self.seen = None;
         self.state.clone_from(&snapshot.state);
         self.forces = snapshot.forces;
         self.time_step = snapshot.time_step;

@@ -4,6 +4,7 @@ use std::any::Any;
 use std::fmt::Debug;
 
 use glam::Vec3;
+use vivace_coloring::Vivace;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
@@ -28,6 +29,18 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// # Errors
     /// It does not exist here; the old one stays.
     fn set_solver(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError>;
+
+    /// Colors anew in every frame, or no more.
+    ///
+    /// # Errors
+    /// The engine does not.
+    fn set_recoloring(&mut self, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let why = "the CPU keeps particles color by color";
+        recoloring.map_or(Ok(()), |_| Err(SolverError::NoRecoloring { why }))
+    }
+
+    /// A frame begins: line 2, where it colors anew.
+    fn recolor(&mut self) {}
 
     /// Moves the target of attachment `idx`, which exists \[m\].
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);

@@ -81,6 +81,14 @@ pub enum SolverError {
     /// The engine has no collisions.
     #[error("collisions are found and solved on the CPU only; take the CPU, or a scene without them")]
     NoCollisions,
+    /// Where coloring anew in every frame cannot be.
+    #[error(
+        "{why}, so it is not colored anew in every frame: its coloring stands as long as its constraints do"
+    )]
+    NoRecoloring {
+        /// What it is.
+        why: &'static str,
+    },
     /// Detection refuses the surface, an obstacle or a position.
     #[error(transparent)]
     Collision(#[from] CollisionError),

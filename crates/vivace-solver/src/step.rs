@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use crate::relaxation::{Schedule, is_accelerated};
-use crate::safeguard::Safeguard;
+use crate::safeguard::{Looks, Safeguard};
 use crate::{Budget, Solver, Stages, StepReport, Stop};
 
 /// What the safeguard remembers from step to step: by how much it has eased acceleration, and how long all has been well since.
@@ -17,14 +17,23 @@ pub struct Ease {
 }
 
 /// Steps without trouble after which acceleration is raised again by one level.
-const RECOVERY: u32 = 30;
+pub(crate) const RECOVERY: u32 = 30;
 /// Beyond this many halvings nothing is left of any acceleration.
-const LARGEST: u32 = 24;
+pub(crate) const LARGEST: u32 = 24;
 
 impl Ease {
     /// Within its bounds, wherever it comes from.
     pub(crate) fn clamped(self) -> Self {
         Self { level: self.level.min(LARGEST), ..self }
+    }
+
+    /// The level, and the steps since it has changed.
+    pub(crate) fn parts(self) -> [u32; 2] {
+        [self.level, self.quiet_steps]
+    }
+
+    pub(crate) fn from_parts([level, quiet_steps]: [u32; 2]) -> Self {
+        Self { level, quiet_steps }.clamped()
     }
 
     fn more(&mut self) {
@@ -49,13 +58,19 @@ pub(crate) fn solve(
     report: &mut StepReport,
 ) {
     let most = budget.iterations.unwrap_or(u32::MAX);
-    let mut schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
+    report.stop = Stop::Iterations;
     // Whatever has been eased away: it may come back.
     let is_watched = solver.safeguard && most > 0 && is_accelerated(solver.relaxation);
+    if is_watched && budget.is_counted() && stages.watch(solver.relaxation, most, *ease) {
+        solve_unseen(stages, solver, most);
+        report.iterations += most;
+        return;
+    }
+    stages.learn(ease, report);
+    let mut schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
     let mut safeguard = is_watched.then(|| Safeguard::begin(stages));
     let solve_start = Instant::now();
     let (mut k, mut backoffs) = (0, 0);
-    report.stop = Stop::Iterations;
     while k < most {
         if k > 0 && budget.seconds.is_some_and(|seconds| is_spent(start, solve_start, k, seconds)) {
             report.stop = Stop::Time;
@@ -74,13 +89,15 @@ pub(crate) fn solve(
         let has_settled = is_small && schedule.settle();
         if let Some(safeguard) = &mut safeguard
             && (has_settled || safeguard.is_due(k) || k == most)
-            && safeguard.check(k, stages)
         {
-            backoffs += 1;
-            ease.more();
-            report.last_move = None;
-            schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
-            continue;
+            if safeguard.check(k, stages) {
+                backoffs += 1;
+                ease.more();
+                report.last_move = None;
+                schedule = Schedule::new(solver.relaxation, ease.level, solver.safeguard);
+                continue;
+            }
+            schedule.project_anew();
         }
         if has_settled {
             report.stop = Stop::Tolerance;
@@ -100,6 +117,22 @@ pub(crate) fn solve(
     }
     report.iterations += k;
     report.backoffs += backoffs;
+}
+
+/// The same where decisions are made where the positions are: nobody waits for them.
+fn solve_unseen(stages: &mut dyn Stages, solver: &Solver, most: u32) {
+    // Of weights it says what stages replace: level and beginning are not known here.
+    let mut schedule = Schedule::new(solver.relaxation, 0, true);
+    let mut looks = Looks::new();
+    for k in 1..=most {
+        stages.turn(k - 1);
+        schedule.iterate(stages);
+        if looks.is_due(k) || k == most {
+            looks.look(k);
+            stages.look(k, k == most);
+            schedule.project_anew();
+        }
+    }
 }
 
 /// Whether another iteration, as long as the mean of the `k` so far, would end after `seconds` since `start`.

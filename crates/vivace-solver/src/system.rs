@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use glam::{Vec3, Vec4};
-use vivace_coloring::color;
+use vivace_coloring::{Vivace, color};
 use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, ModelError, State, Tear, check_time_step};
 
@@ -170,6 +170,7 @@ impl System {
     /// Takes up where another system stood.
     pub fn set_ease(&mut self, ease: Ease) {
         self.ease = ease.clamped();
+        self.engine.stages().forget();
     }
 
     /// Whether each step reports its objective and residual, which takes about as long as two iterations.
@@ -297,6 +298,23 @@ impl System {
         Ok(())
     }
 
+    /// Colors the graph anew in every frame, by rounds of Algorithm 2 with another seed each time, or no more: line 2 where the paper has it,
+    /// for what its cost is. On a device, in Projective Dynamics; nobody waits for it, so its classes, some of which may be empty
+    /// ([`StepReport::colors`] counts those, too), are as many as any frame may take. Where a coloring does not end within its rounds or its
+    /// colors, the frame takes the one that the system was made with. Another solver ends it, and a snapshot does not know of it.
+    ///
+    /// # Errors
+    /// [`SolverError::NoRecoloring`]: the CPU, Position Based Dynamics, a relaxation that does not sweep color by color, or a graph of more
+    /// than some sixty colors.
+    pub fn set_recoloring(&mut self, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let is_swept = self.solver.relaxation.is_colored()
+            && !matches!(self.solver.relaxation, Relaxation::ConjugateGradient { .. });
+        if recoloring.is_some() && !is_swept {
+            return Err(SolverError::NoRecoloring { why: "its relaxation does not sweep color by color" });
+        }
+        self.engine.set_recoloring(recoloring)
+    }
+
     /// Collisions, where there are any.
     #[must_use]
     pub fn collisions(&self) -> Option<&Collisions> {
@@ -348,11 +366,14 @@ impl System {
         h: f32,
         budget: Budget,
     ) -> Result<StepReport, SolverError> {
-        let (start, before) = (Instant::now(), self.before());
+        let start = Instant::now();
+        self.engine.stages().learn(&mut self.ease, &mut StepReport::default());
+        let before = self.before();
         check(forces, h, &budget)?;
         self.load(state)?;
         let mut report = self.advance_from(start, forces, h, &budget, &before)?;
         let finish_start = Instant::now();
+        self.engine.stages().learn(&mut self.ease, &mut report);
         if let Err(error) = self.store(state) {
             return Err(self.undo(error, &before));
         }
@@ -372,7 +393,8 @@ impl System {
     }
 
     /// As [`System::step`], from where the last step, this one or [`System::load`] has left the state to where it stays. On a device nothing
-    /// is read back, but what the budget and the safeguard look at; what went wrong comes out of [`System::store`].
+    /// is read back, but what a tolerance looks at: the safeguard decides there, and [`System::ease`] hears of it with [`System::store`],
+    /// which also tells what went wrong; its report counts no backoffs and has no objective of the safeguard's.
     ///
     /// # Errors
     /// A force, step or budget that cannot be simulated; there is no state: nothing has changed then. Contacts that cannot be found: another
@@ -392,6 +414,7 @@ impl System {
             return Err(SolverError::NoState);
         }
         state.check(&self.model)?;
+        self.engine.stages().learn(&mut self.ease, &mut StepReport::default());
         self.engine.store(&self.model, state)?;
         self.has_state = true;
         Ok(())
@@ -412,6 +435,7 @@ impl System {
         let small_h = h / n_substeps as f32;
         let mut report = StepReport::default();
         self.engine.prepare(small_h)?;
+        self.engine.recolor();
         report.times.setup = start.elapsed().as_secs_f64();
         for substep in 0..n_substeps {
             let share = share_of(budget, substep, n_substeps);
@@ -443,7 +467,7 @@ impl System {
 
     /// What comes back with `error`. The engine has no state any more.
     fn undo(&mut self, error: SolverError, before: &Before) -> SolverError {
-        self.ease = before.ease;
+        self.set_ease(before.ease);
         self.has_state = false;
         let restored = before.memory.as_ref().map_or(Ok(()), |memory| self.engine.set_memory(memory));
         restored.err().unwrap_or(error)

@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use vivace_gpu::{Footprint, Gpu, KernelTime};
+use vivace_coloring::Vivace;
+use vivace_gpu::{Footprint, Gpu, Grids, KernelTime};
+use vivace_kernels::Backend;
 use vivace_mesh::cloth as cloths;
 use vivace_model::{Forces, Model, ModelBuilder, State};
 use vivace_solver::{Base, Budget, Framework, Relaxation, Solver, SolverError, System};
@@ -23,12 +25,15 @@ pub(super) fn table() -> Table {
     Table::new(
         "Frames of a cloth, 15 sweeps each",
         &[
+            "scene",
             "constraints",
             "particles",
+            "recolored",
             "colors",
             "bytes",
             "ms",
             "ms_min",
+            "ms_resident",
             "kernels_ms",
             "dispatches",
             "us_per_dispatch",
@@ -38,14 +43,50 @@ pub(super) fn table() -> Table {
     )
 }
 
-/// A square cloth of springs of about so many constraints, two corners pinned.
-fn cloth(n_constraints: usize) -> Result<(Model, State), FigureError> {
-    // Three springs a particle; the root, to the nearest number.
-    let n = (4 * n_constraints / 3).isqrt().div_ceil(2).max(2);
+/// What is timed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Case {
+    /// Constraints, about.
+    pub(super) n_constraints: usize,
+    /// Whether half of them are hinges, as in the paper's cloths, and not all springs.
+    pub(super) has_hinges: bool,
+    /// Whether each frame colors anew, and who says how large its classes are.
+    pub(super) recoloring: Option<Grids>,
+}
+
+/// The paper's heap of cloths: its constraints, recolored in every frame or not.
+pub(super) fn heap() -> [Case; 3] {
+    let case = |recoloring| Case { n_constraints: 324_000, has_hinges: true, recoloring };
+    [None, Some(Grids::Indirect), Some(Grids::Bounds)].map(case)
+}
+
+impl Case {
+    /// A cloth of springs that keeps its coloring.
+    pub(super) fn springs(n_constraints: usize) -> Self {
+        Self { n_constraints, has_hinges: false, recoloring: None }
+    }
+
+    fn scene(self) -> &'static str {
+        if self.has_hinges { "springs and hinges" } else { "springs" }
+    }
+
+    fn recolored(self) -> &'static str {
+        self.recoloring.map_or("no", super::measure::name)
+    }
+}
+
+/// A square cloth of about so many constraints, two corners pinned.
+fn cloth(case: Case) -> Result<(Model, State), FigureError> {
+    // Three springs a particle, and as many hinges; the root, to the nearest number.
+    let n_springs = if case.has_hinges { case.n_constraints / 2 } else { case.n_constraints };
+    let n = (4 * n_springs / 3).isqrt().div_ceil(2).max(2);
     let mesh = cloths::regular(n, n, 1.0 / (n as f32 - 1.0))?;
     let mut builder = ModelBuilder::new();
     builder.cloth(&mesh, 0.2)?;
     builder.springs(0, &mesh.edges(), 1000.0)?;
+    if case.has_hinges {
+        builder.hinges(0, &mesh.hinges(), 1e-5, false)?;
+    }
     builder.pin(0)?;
     builder.pin(u32::try_from(n - 1).unwrap_or(u32::MAX))?;
     Ok(builder.build()?)
@@ -65,42 +106,60 @@ fn frame(system: &mut System, state: &mut State) -> Result<(), SolverError> {
     system.step(state, &Forces::default(), STEP, Budget::iterations(SWEEPS)).map(drop)
 }
 
+/// The model on a device.
+fn system<B: Backend + Send + 'static>(model: &Model, case: Case, backend: B) -> Result<System, SolverError> {
+    let mut system = System::on(model.clone(), solver(), backend)?;
+    system.set_recoloring(case.recoloring.map(|_| Vivace::DEFAULT))?;
+    Ok(system)
+}
+
 /// What the frames of a model will have allocated on a device, without one.
-fn bytes(model: &Model, state: &State) -> Result<u64, SolverError> {
+fn bytes(model: &Model, state: &State, case: Case) -> Result<u64, SolverError> {
     let device = Footprint::new();
-    let mut system = System::on(model.clone(), solver(), device.clone())?;
+    let mut system = system(model, case, device.clone())?;
+    // Lists of a frame go when the next has its own.
+    frame(&mut system, &mut state.clone())?;
     frame(&mut system, &mut state.clone())?;
     Ok(device.allocated())
 }
 
 /// Adds the frames of a cloth of about so many constraints; what the device refuses is noted.
 pub(super) fn frames(
-    n_constraints: usize,
+    case: Case,
     copies: Copies,
     table: &mut Table,
     by_kernel: &mut Table,
 ) -> Result<(), BenchError> {
-    let (model, state) = cloth(n_constraints)?;
-    let (n_springs, n_particles) = (model.constraints().springs.len(), model.n_particles());
-    let bytes = bytes(&model, &state).map_err(FigureError::from)?;
-    let row = |colors: usize, numbers: [f64; 6], note: String| {
-        let mut row = vec![n_springs.into(), n_particles.into(), colors.into(), (bytes as f64).into()];
+    let (model, state) = cloth(case)?;
+    let (n_constraints, n_particles) = (model.constraints().len(), model.n_particles());
+    let bytes = bytes(&model, &state, case).map_err(FigureError::from)?;
+    let row = |colors: usize, numbers: [f64; 7], note: String| {
+        let mut row = vec![
+            case.scene().into(),
+            n_constraints.into(),
+            n_particles.into(),
+            case.recolored().into(),
+            colors.into(),
+            (bytes as f64).into(),
+        ];
         row.extend(numbers.map(Into::into));
         row.push(note.into());
         row
     };
-    match measured(model, state) {
+    match measured(&model, state, case) {
         Ok(run) => {
-            let updates = (n_particles * SWEEPS as usize) as f64 / run.ms * 1e3;
+            let updates = (n_particles * SWEEPS as usize) as f64 / run.ms_resident * 1e3;
             let kernels_ms = run.kernels.iter().map(|kernel| kernel.seconds * 1e3).sum();
-            let us = run.ms * 1e3 / run.dispatches;
-            let numbers = [run.ms, run.ms_min, kernels_ms, run.dispatches, us, updates];
+            let us = run.ms_resident * 1e3 / run.dispatches;
+            let numbers = [run.ms, run.ms_min, run.ms_resident, kernels_ms, run.dispatches, us, updates];
             table.push(row(run.colors, numbers, String::new()));
-            kernels::push(&format!("frame of {n_springs} constraints"), &run.kernels, copies, by_kernel);
+            let (scene, recolored) = (case.scene(), case.recolored());
+            let work = format!("frame of {n_constraints} {scene}, recolored: {recolored}");
+            kernels::push(&work, &run.kernels, copies, by_kernel);
             Ok(())
         }
         Err(SolverError::Device(error)) => {
-            table.push(row(0, [f64::NAN; 6], format!("refused: {error}")));
+            table.push(row(0, [f64::NAN; 7], format!("refused: {error}")));
             Ok(())
         }
         Err(error) => Err(FigureError::from(error).into()),
@@ -111,14 +170,16 @@ struct Frames {
     colors: usize,
     ms: f64,
     ms_min: f64,
+    /// Without reading back.
+    ms_resident: f64,
     dispatches: f64,
     /// Of one frame; none without a clock.
     kernels: Vec<KernelTime>,
 }
 
-fn measured(model: Model, mut state: State) -> Result<Frames, SolverError> {
+fn measured(model: &Model, mut state: State, case: Case) -> Result<Frames, SolverError> {
     let gpu = Gpu::new().map_err(|error| SolverError::Device(Box::new(error)))?;
-    let mut system = System::on(model, solver(), gpu)?;
+    let mut system = system(model, case, gpu.with_grids(case.recoloring.unwrap_or_default()))?;
     // The first frames make pipelines and buffers.
     (0..2).try_for_each(|_| frame(&mut system, &mut state))?;
     let count = |system: &mut System| system.resident::<Gpu>().map_or(0, |at| at.backend.n_dispatches());
@@ -131,11 +192,22 @@ fn measured(model: Model, mut state: State) -> Result<Frames, SolverError> {
     }
     let dispatches = (count(&mut system) - before) as f64 / N_FRAMES as f64;
     times.sort_by(f64::total_cmp);
+    let mut resident = Vec::new();
+    for _ in 0..N_FRAMES {
+        let start = Instant::now();
+        system.advance(&Forces::default(), STEP, Budget::iterations(SWEEPS))?;
+        let waited = system.resident::<Gpu>().map_or(Ok(()), |at| at.backend.wait());
+        waited.map_err(|error| SolverError::Device(Box::new(error)))?;
+        resident.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    resident.sort_by(f64::total_cmp);
+    system.store(&mut state)?;
     let kernels = profiled(&mut system, &mut state)?;
     Ok(Frames {
         colors: system.n_colors(),
         ms: quantile(&times, 0.5),
         ms_min: quantile(&times, 0.0),
+        ms_resident: quantile(&resident, 0.5),
         dispatches,
         kernels,
     })
@@ -157,17 +229,20 @@ mod tests {
     #[test]
     fn cloths_have_about_so_many_constraints() {
         for n in [100, 1000, 10_000] {
-            let (model, _) = cloth(n).unwrap();
-            let found = model.constraints().springs.len();
-            assert!(found.abs_diff(n) < n / 5, "{found} for {n}");
+            for has_hinges in [false, true] {
+                let (model, _) = cloth(Case { has_hinges, ..Case::springs(n) }).unwrap();
+                let found = model.constraints().len();
+                assert!(found.abs_diff(n) < n / 4, "{found} for {n}");
+            }
         }
     }
 
     #[test]
     fn bytes_grow_with_the_cloth() {
         let [small, large] = [100, 10_000].map(|n| {
-            let (model, state) = cloth(n).unwrap();
-            bytes(&model, &state).unwrap()
+            let case = Case::springs(n);
+            let (model, state) = cloth(case).unwrap();
+            bytes(&model, &state, case).unwrap()
         });
         assert!(large > small && large < 50_000_000, "{small} {large}");
     }

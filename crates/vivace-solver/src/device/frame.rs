@@ -1,26 +1,33 @@
 //! The stages of Projective Dynamics as runs of kernels: see `pd/mod.rs`, of which this is the twin.
 
 use glam::{Vec3, Vec3A, Vec4};
+use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::pd::{
     Anchor, FusedResidual, LinearResidual, MoveByBlock, MoveByDiagonal, Omega, RelaxFused, RelaxLinear,
     RowEnergy, SpringBlock, SpringPull,
 };
-use vivace_kernels::step::{CopyVector, SquaredDistance, SquaredLength};
+use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SquaredDistance, SquaredLength};
 use vivace_model::{Forces, Model, State};
 
 use super::Solve;
+use super::conjugate_gradient::ConjugateGradient;
 use super::history::History;
 use super::motion::Motion;
 use super::pass::{Pass, Passes};
+use super::recolor::Recolor;
 use super::rows::DeviceRows;
 use super::sums::Sums;
+use super::watch::Watch;
 use crate::error::narrow;
 use crate::pd::layout::Layout;
 use crate::pd::rows::Rows;
 use crate::pd::{attachments, masses, weigh};
 use crate::stages::TOLERATED_RISE;
-use crate::{Base, Framework, LocalStep, Relaxation, Solver, SolverError, VertexSolve};
+use crate::{
+    Base, Ease, Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverError, StepReport,
+    VertexSolve,
+};
 
 /// How a particle is relaxed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,6 +50,7 @@ pub(super) struct Frame<B: Backend> {
     rows: DeviceRows<B>,
     passes: Vec<Box<dyn Pass<B>>>,
     colors: Vec<B::List>,
+    recolor: Option<Recolor<B>>,
     free: B::List,
     n_free: u32,
     /// Attachments: particle, target, stiffness; and whether the device has not seen the last change of theirs.
@@ -63,6 +71,8 @@ pub(super) struct Frame<B: Backend> {
     blocks: B::Buffer<[Vec4; 2]>,
     latest: B::Buffer<Vec4>,
     sums: Sums<B>,
+    watch: Watch<B, Omega>,
+    conjugate_gradient: Option<ConjugateGradient<B>>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
 }
@@ -75,7 +85,10 @@ impl<B: Backend + 'static> Frame<B> {
         solver: &Solver,
         colors: &[u32],
     ) -> Result<Self, SolverError> {
+        let is_linear_solver = matches!(solver.relaxation, Relaxation::ConjugateGradient { .. });
         let local = match solver.framework {
+            // It needs b apart.
+            _ if is_linear_solver => Local::Split { sweeps: 1 },
             Framework::ProjectiveDynamics { vertex: VertexSolve::Block, .. } => Local::Blocks,
             Framework::ProjectiveDynamics { local: LocalStep::Split { sweeps }, .. } => {
                 Local::Split { sweeps }
@@ -92,9 +105,6 @@ impl<B: Backend + 'static> Frame<B> {
         let rows = DeviceRows::new(backend, &rows_on_host);
         let passes = Passes::of(backend, model, &layout)?;
         let (n, n_free) = (narrow("particles", model.n_particles())?, narrow("particles", layout.n_free)?);
-        // Particle numbers have 32 bits.
-        #[expect(clippy::cast_possible_truncation, reason = "below n, which is narrow")]
-        let color = |class: &std::ops::Range<usize>| backend.range(class.start as u32..class.end as u32);
         let groups: Vec<u32> = [n_free].into_iter().chain(passes.iter().map(|pass| pass.len())).collect();
         let vectors = |is_used: bool| backend.filled(if is_used { layout.n_free } else { 0 }, Vec4::ZERO);
         let is_split = matches!(local, Local::Split { .. });
@@ -105,7 +115,8 @@ impl<B: Backend + 'static> Frame<B> {
             has_previous_in_place,
             rows_on_host,
             rows,
-            colors: layout.classes.iter().map(color).collect(),
+            colors: ranges(backend, &layout),
+            recolor: None,
             free: backend.range(0..n_free),
             n_free,
             attachments: attachments(model, &layout),
@@ -123,6 +134,8 @@ impl<B: Backend + 'static> Frame<B> {
             blocks: backend.filled(n_blocks, [Vec4::ZERO; 2]),
             latest: vectors(has_previous_in_place),
             sums: Sums::new(backend, &groups),
+            watch: Watch::new(backend),
+            conjugate_gradient: is_linear_solver.then(|| ConjugateGradient::new(backend, n, n_free)),
             failed: None,
             passes,
             layout,
@@ -162,12 +175,13 @@ impl<B: Backend + 'static> Frame<B> {
             self.find_blocks(backend, list);
         }
         let (rows, residuals) = (backend.view(&self.rows.rows), backend.view(&self.residuals));
-        let q = &mut self.motion.q;
+        let (q, omega) = (&mut self.motion.q, &Omega { omega });
+        let omega = self.watch.sweep(omega);
         if self.local == Local::Blocks {
             let inputs = (rows, residuals, backend.view(&self.blocks));
-            backend.map::<MoveByBlock>(list, &Omega { omega }, inputs, q);
+            backend.map::<MoveByBlock>(list, omega, inputs, q);
         } else {
-            backend.map::<MoveByDiagonal>(list, &Omega { omega }, (rows, residuals), q);
+            backend.map::<MoveByDiagonal>(list, omega, (rows, residuals), q);
         }
     }
 
@@ -195,6 +209,20 @@ impl<B: Backend + 'static> Frame<B> {
         self.passes.iter().for_each(|pass| pass.add_to_blocks(backend, list, q, &mut self.blocks));
     }
 
+    /// Adds up the objective \[J\].
+    fn add_objective(&mut self, backend: &B) {
+        let (rows, q) = (&self.rows, &self.motion.q);
+        let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
+        let (springs, anchors) = (backend.view(&rows.springs), backend.view(&self.anchors));
+        let inputs = (of_rows, taps, springs, anchors, backend.view(q));
+        backend.map::<RowEnergy>(&self.free, &(), inputs, &mut self.sums.numbers);
+        self.sums.add(backend, self.n_free);
+        for pass in &self.passes {
+            pass.energies(backend, q, &mut self.sums.numbers);
+            self.sums.add(backend, pass.len());
+        }
+    }
+
     /// What was added up; not a number where the device fails, which is a rise to the safeguard.
     fn total(&mut self, backend: &B) -> f64 {
         self.sums.total(backend).unwrap_or_else(|error| {
@@ -208,9 +236,31 @@ impl<B: Backend + 'static> Frame<B> {
     }
 }
 
+/// The classes of a layout. Particle numbers have 32 bits.
+fn ranges<B: Backend>(backend: &B, layout: &Layout) -> Vec<B::List> {
+    #[expect(clippy::cast_possible_truncation, reason = "particles, which are counted in 32 bits")]
+    let range = |class: &std::ops::Range<usize>| backend.range(class.start as u32..class.end as u32);
+    layout.classes.iter().map(range).collect()
+}
+
 impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn n_colors(&self) -> usize {
-        self.colors.len()
+        self.recolor.as_ref().map_or(self.colors.len(), Recolor::n_colors)
+    }
+
+    fn set_recoloring(&mut self, backend: &B, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let of = |options| Recolor::new(backend, &self.rows_on_host, &self.layout, options);
+        self.recolor = recoloring.map(of).transpose()?;
+        self.colors = ranges(backend, &self.layout);
+        Ok(())
+    }
+
+    fn recolor(&mut self, backend: &B) {
+        if let Some(recolor) = &mut self.recolor {
+            // What they hold goes to those that come.
+            self.colors.clear();
+            self.colors = recolor.next(backend);
+        }
     }
 
     fn positions(&self) -> (&B::Buffer<Vec4>, &[u32]) {
@@ -303,14 +353,16 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         let (rows, q) = (&self.rows, &mut self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
         let (anchors, list) = (backend.view(&self.anchors), &self.colors[color]);
+        let known = &Omega { omega };
+        let params = self.watch.sweep(known);
         match self.local {
             Local::Split { .. } => {
                 let inputs = (of_rows, taps, anchors, backend.view(&self.pulls));
-                backend.update::<RelaxLinear>(list, &Omega { omega }, inputs, q);
+                backend.update::<RelaxLinear>(list, params, inputs, q);
             }
             Local::Fused if self.passes.is_empty() => {
                 let inputs = (of_rows, taps, backend.view(&rows.pulls), anchors);
-                backend.update::<RelaxFused>(list, &Omega { omega }, inputs, q);
+                backend.update::<RelaxFused>(list, params, inputs, q);
             }
             Local::Fused | Local::Blocks => {
                 let list = list.clone();
@@ -323,7 +375,9 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         let list = self.colors[color].clone();
         backend.map::<CopyVector>(&list, &(), (backend.view(&self.motion.q),), &mut self.latest);
         self.relax_color(backend, color, 1.0);
-        self.history.extrapolate_some(backend, &list, &mut self.motion.q, omega);
+        let weight = &ExtrapolateUniform { omega };
+        let weight = self.watch.extrapolation(weight);
+        self.history.extrapolate_some(backend, &list, &mut self.motion.q, weight);
         self.history.set_previous(backend, &list, &self.latest);
     }
 
@@ -342,16 +396,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     }
 
     fn objective(&mut self, backend: &B) -> f64 {
-        let (rows, q) = (&self.rows, &self.motion.q);
-        let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let (springs, anchors) = (backend.view(&rows.springs), backend.view(&self.anchors));
-        let inputs = (of_rows, taps, springs, anchors, backend.view(q));
-        backend.map::<RowEnergy>(&self.free, &(), inputs, &mut self.sums.numbers);
-        self.sums.add(backend, self.n_free);
-        for pass in &self.passes {
-            pass.energies(backend, q, &mut self.sums.numbers);
-            self.sums.add(backend, pass.len());
-        }
+        self.add_objective(backend);
         self.total(backend)
     }
 
@@ -376,6 +421,16 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.motion.update_velocities(backend, forces, h);
     }
 
+    fn solve_by_conjugate_gradient(&mut self, backend: &B, preconditioner: Preconditioner, inner: u32) {
+        let free = self.free.clone();
+        self.linear_residuals(backend, &free);
+        if let Some(solver) = &mut self.conjugate_gradient {
+            let system = (&self.rows, &self.anchors, &*self.colors);
+            let (residuals, q) = (&mut self.residuals, &mut self.motion.q);
+            solver.solve(backend, system, preconditioner, inner, residuals, q);
+        }
+    }
+
     // `check` lets it come to Position Based Dynamics alone.
     fn relax_in_order(&mut self, _: &B, _: f32) {}
 
@@ -384,7 +439,8 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
-        self.history.extrapolate(backend, &mut self.motion.q, omega);
+        let weight = &ExtrapolateUniform { omega };
+        self.history.extrapolate(backend, &mut self.motion.q, self.watch.extrapolation(weight));
     }
 
     fn tolerated_rise(&self) -> f64 {
@@ -397,5 +453,34 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
+    }
+
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
+        self.watch.begin(backend, of, ease, 0.0, |omega| Omega { omega });
+        self.save(backend);
+        self.look(backend, 0, false);
+    }
+
+    fn turn(&mut self, k: u32) {
+        self.watch.turn(k);
+    }
+
+    fn look(&mut self, backend: &B, k: u32, is_last: bool) {
+        self.add_objective(backend);
+        let rise = self.tolerated_rise();
+        self.watch.look(backend, &mut self.sums, k, is_last, rise);
+        if k > 0 {
+            self.history.follow(backend, self.watch.known(), &mut self.motion.q);
+        }
+    }
+
+    fn learn(&mut self, backend: &B, ease: &mut Ease, report: &mut StepReport) {
+        if let Err(error) = self.watch.learn(backend, ease, report) {
+            self.failed = Some(SolverError::Device(Box::new(error)));
+        }
+    }
+
+    fn forget(&mut self) {
+        self.watch.forget();
     }
 }

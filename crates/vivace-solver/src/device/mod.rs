@@ -9,27 +9,34 @@
 //! one for each of their kinds, if projections are fused, and blocks two more. In Position Based Dynamics a color is a range of the
 //! constraints of each kind, and a dispatch for each kind that has some of it.
 
+mod conjugate_gradient;
 mod frame;
 mod history;
 mod kind;
 mod motion;
 mod pass;
 mod position_based;
+mod recolor;
 mod rows;
 mod sums;
+mod watch;
 
 use std::any::Any;
 use std::fmt::{self, Debug};
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Vec3, Vec4};
+use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, State};
 
 use crate::engine::Engine;
-use crate::{Framework, Preconditioner, Relaxation, Solver, SolverError, Stages};
+use crate::{Ease, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages, StepReport};
 use frame::Frame;
 use position_based::PositionBased;
+
+/// Iterations of a small step, at most, whose weights are laid out ahead. With more the host looks on the way.
+const MOST_UNSEEN: u32 = 10_000;
 
 /// A device and what it holds.
 struct Device<B: Backend> {
@@ -46,6 +53,8 @@ trait Solve<B: Backend>: Send {
     fn n_sweeps(&self) -> u32 {
         1
     }
+    fn set_recoloring(&mut self, backend: &B, recoloring: Option<Vivace>) -> Result<(), SolverError>;
+    fn recolor(&mut self, backend: &B);
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
     /// Takes the attachments of `model`, of which nothing else has changed; `false` where that has to be made anew.
     fn set_attachments(&mut self, _model: &Model) -> bool {
@@ -63,6 +72,8 @@ trait Solve<B: Backend>: Send {
     fn relax_color_from_previous(&mut self, backend: &B, color: usize, omega: f32);
     fn relax_all(&mut self, backend: &B, omega: f32);
     fn relax_in_order(&mut self, backend: &B, omega: f32);
+    // Solvers of the linear system come to Projective Dynamics alone.
+    fn solve_by_conjugate_gradient(&mut self, _: &B, _: Preconditioner, _: u32) {}
     fn remember(&mut self, backend: &B);
     fn extrapolate(&mut self, backend: &B, omega: f32);
     fn moved(&mut self, backend: &B) -> f32;
@@ -72,6 +83,11 @@ trait Solve<B: Backend>: Send {
     fn wait(&mut self, backend: &B);
     fn save(&mut self, backend: &B);
     fn restore(&mut self, backend: &B);
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease);
+    fn turn(&mut self, k: u32);
+    fn look(&mut self, backend: &B, k: u32, is_last: bool);
+    fn learn(&mut self, backend: &B, ease: &mut Ease, report: &mut StepReport);
+    fn forget(&mut self);
 }
 
 /// The framework that `solver` asks for.
@@ -130,8 +146,7 @@ fn check(solver: &Solver) -> Result<(), SolverError> {
         Relaxation::Lexicographic { .. } => {
             refused("the lexicographic sweep", "Gauss-Seidel, color by color")
         }
-        Relaxation::ConjugateGradient { .. } => refused("conjugate gradients", "Chebyshev or Gauss-Seidel"),
-        Relaxation::Direct => refused("the direct solver", "Chebyshev or Gauss-Seidel"),
+        Relaxation::Direct => refused("the direct solver", "conjugate gradients, Chebyshev or Gauss-Seidel"),
         _ => Ok(()),
     }
 }
@@ -157,6 +172,18 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         let counts = (frame.n_colors(), frame.n_passes());
         (self.n_colors, self.n_passes) = counts;
         Ok(())
+    }
+
+    fn set_recoloring(&mut self, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.set_recoloring(backend, recoloring)?;
+        self.n_colors = self.device().frame.n_colors();
+        Ok(())
+    }
+
+    fn recolor(&mut self) {
+        let Device { backend, frame } = self.device();
+        frame.recolor(backend);
     }
 
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
@@ -240,10 +267,11 @@ impl<B: Backend + 'static> Stages for Device<B> {
         self.frame.relax_in_order(&self.backend, omega);
     }
 
-    // `check` lets none of these come here.
+    fn solve_by_conjugate_gradient(&mut self, preconditioner: Preconditioner, inner: u32) {
+        self.frame.solve_by_conjugate_gradient(&self.backend, preconditioner, inner);
+    }
 
-    fn solve_by_conjugate_gradient(&mut self, _: Preconditioner, _: u32) {}
-
+    // `check` does not let it come here.
     fn solve_directly(&mut self) {}
 
     fn remember(&mut self) {
@@ -280,5 +308,30 @@ impl<B: Backend + 'static> Stages for Device<B> {
 
     fn wait(&mut self) {
         self.frame.wait(&self.backend);
+    }
+
+    fn watch(&mut self, relaxation: Relaxation, most: u32, ease: Ease) -> bool {
+        // What goes one by one takes its parameters from the host.
+        let decides = !matches!(relaxation, Relaxation::Lexicographic { .. }) && most <= MOST_UNSEEN;
+        if decides {
+            self.frame.watch(&self.backend, (relaxation, most), ease);
+        }
+        decides
+    }
+
+    fn turn(&mut self, k: u32) {
+        self.frame.turn(k);
+    }
+
+    fn look(&mut self, k: u32, is_last: bool) {
+        self.frame.look(&self.backend, k, is_last);
+    }
+
+    fn learn(&mut self, ease: &mut Ease, report: &mut StepReport) {
+        self.frame.learn(&self.backend, ease, report);
+    }
+
+    fn forget(&mut self) {
+        self.frame.forget();
     }
 }

@@ -2,10 +2,11 @@
 //! order.
 
 use glam::{Vec3, Vec4};
+use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::constraint::Xpbd;
 use vivace_kernels::pbd::{Inertia, Residual, StepUniform};
-use vivace_kernels::step::{CopyVector, SetVector, SetVectorUniform, SquaredDistance};
+use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SetVector, SetVectorUniform, SquaredDistance};
 use vivace_model::{Forces, Model, State};
 
 use super::Solve;
@@ -13,10 +14,11 @@ use super::history::History;
 use super::kind::{Found, Kind, Kinds};
 use super::motion::Motion;
 use super::sums::Sums;
+use super::watch::Watch;
 use crate::error::narrow;
 use crate::pbd::TOLERATED_RISE;
 use crate::pd::layout::Layout;
-use crate::{Relaxation, SolverError};
+use crate::{Ease, Relaxation, SolverError, StepReport};
 
 /// A model prepared for Position Based Dynamics on a device, and all that changes in a frame.
 pub(super) struct PositionBased<B: Backend> {
@@ -31,6 +33,7 @@ pub(super) struct PositionBased<B: Backend> {
     history: History<B>,
     gradients: B::Buffer<Vec4>,
     sums: Sums<B>,
+    watch: Watch<B, Xpbd>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
 }
@@ -54,6 +57,7 @@ impl<B: Backend + 'static> PositionBased<B> {
             history: History::new(backend, n, n),
             gradients: zeros(),
             sums: Sums::new(backend, &groups),
+            watch: Watch::new(backend),
             failed: None,
             layout,
         };
@@ -73,6 +77,18 @@ impl<B: Backend + 'static> PositionBased<B> {
 
     fn step(&self) -> StepUniform {
         StepUniform { squared_h: self.squared_h }
+    }
+
+    /// Adds up the objective \[J\].
+    fn add_objective(&mut self, backend: &B) {
+        let step = self.step();
+        let Self { motion, sums, .. } = self;
+        let inputs = (backend.view(&self.predicted), backend.view(&motion.q));
+        backend.map::<Inertia>(&self.particles, &step, inputs, &mut sums.numbers);
+        sums.add(backend, self.n);
+        for kind in &self.kinds {
+            kind.add_energy(backend, &motion.q, sums);
+        }
     }
 
     /// What was added up; not a number where the device fails, which is a rise to the safeguard.
@@ -106,6 +122,13 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn n_passes(&self) -> usize {
         self.kinds.len()
     }
+
+    fn set_recoloring(&mut self, _: &B, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let why = "Position Based Dynamics keeps constraints color by color";
+        recoloring.map_or(Ok(()), |_| Err(SolverError::NoRecoloring { why }))
+    }
+
+    fn recolor(&mut self, _: &B) {}
 
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
         self.kinds.iter_mut().for_each(|kind| kind.set_attachment_target(idx, target));
@@ -150,8 +173,9 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
 
     fn relax_color(&mut self, backend: &B, color: usize, omega: f32) {
         let xpbd = self.xpbd(omega);
+        let params = self.watch.sweep(&xpbd);
         for kind in &mut self.kinds {
-            kind.relax_color(backend, color, &xpbd, &mut self.motion.q);
+            kind.relax_color(backend, color, params, &mut self.motion.q);
         }
     }
 
@@ -167,8 +191,9 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
 
     fn relax_all(&mut self, backend: &B, omega: f32) {
         let xpbd = self.xpbd(omega);
+        let params = self.watch.sweep(&xpbd);
         for kind in &mut self.kinds {
-            kind.find_moves(backend, &xpbd, &self.motion.q);
+            kind.find_moves(backend, params, &self.motion.q);
         }
         for kind in &self.kinds {
             kind.gather(backend, &self.particles, &mut self.motion.q);
@@ -188,8 +213,10 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
-        self.history.extrapolate(backend, &mut self.motion.q, omega);
-        self.kinds.iter_mut().for_each(|kind| kind.extrapolate(backend, omega));
+        let weight = &ExtrapolateUniform { omega };
+        let weight = self.watch.extrapolation(weight);
+        self.history.extrapolate(backend, &mut self.motion.q, weight);
+        self.kinds.iter_mut().for_each(|kind| kind.extrapolate(backend, weight));
     }
 
     fn moved(&mut self, backend: &B) -> f32 {
@@ -201,14 +228,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn objective(&mut self, backend: &B) -> f64 {
-        let step = self.step();
-        let Self { motion, sums, .. } = self;
-        let inputs = (backend.view(&self.predicted), backend.view(&motion.q));
-        backend.map::<Inertia>(&self.particles, &step, inputs, &mut sums.numbers);
-        sums.add(backend, self.n);
-        for kind in &self.kinds {
-            kind.add_energy(backend, &motion.q, sums);
-        }
+        self.add_objective(backend);
         self.total(backend)
     }
 
@@ -245,5 +265,36 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.restore(backend));
+    }
+
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
+        let squared_h = self.squared_h;
+        self.watch.begin(backend, of, ease, squared_h, |omega| Xpbd { squared_h, omega });
+        self.save(backend);
+        self.look(backend, 0, false);
+    }
+
+    fn turn(&mut self, k: u32) {
+        self.watch.turn(k);
+    }
+
+    fn look(&mut self, backend: &B, k: u32, is_last: bool) {
+        self.add_objective(backend);
+        let rise = self.tolerated_rise();
+        self.watch.look(backend, &mut self.sums, k, is_last, rise);
+        if k > 0 {
+            self.history.follow(backend, self.watch.known(), &mut self.motion.q);
+            self.kinds.iter_mut().for_each(|kind| kind.follow(backend, self.watch.known()));
+        }
+    }
+
+    fn learn(&mut self, backend: &B, ease: &mut Ease, report: &mut StepReport) {
+        if let Err(error) = self.watch.learn(backend, ease, report) {
+            self.failed = Some(failure(error));
+        }
+    }
+
+    fn forget(&mut self) {
+        self.watch.forget();
     }
 }

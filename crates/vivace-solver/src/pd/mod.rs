@@ -4,7 +4,7 @@
 //! together they pull the particle to its *anchor*. Springs and flat hinges live in the rows of Y (`rows.rs`); every other kind
 //! adds a pass (`pass.rs`).
 
-mod conjugate_gradient;
+pub(crate) mod conjugate_gradient;
 mod contacts;
 #[cfg(feature = "direct")]
 mod direct;

@@ -2,16 +2,17 @@
 
 mod chebyshev;
 mod gauss_seidel;
+mod trace;
 
 use crate::{Base, Relaxation, Stages};
-use chebyshev::Weights;
+pub(crate) use trace::Weights;
 
 /// Where a relaxation stands within a time step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Schedule {
     relaxation: Relaxation,
     /// Chebyshev's weights; begin anew with each time step.
-    weights: Weights,
+    weights: chebyshev::Weights,
     /// Iterations done since the start, or since acceleration was lowered.
     k: u32,
     /// Sweeps since the local step; 0 asks for another.
@@ -32,7 +33,7 @@ impl Schedule {
             Relaxation::SymmetricChebyshev { rho } => (rho, least_delay),
             _ => (0.0, 0),
         };
-        Self { relaxation, weights: Weights::new(rho, delay), k: 0, sweeps: 0, delay: least_delay }
+        Self { relaxation, weights: chebyshev::Weights::new(rho, delay), k: 0, sweeps: 0, delay: least_delay }
     }
 
     /// One iteration: the body of the loop in Algorithm 1, after the local step where it is apart.
@@ -73,6 +74,11 @@ impl Schedule {
             Relaxation::Direct => stages.solve_directly(),
         }
         self.k += 1;
+    }
+
+    /// The next iteration makes the local step anew.
+    pub(crate) fn project_anew(&mut self) {
+        self.sweeps = 0;
     }
 
     /// After an iteration that hardly moved: whether the local step was made anew just before it, so that nothing else will move

@@ -102,6 +102,21 @@ fn split(method: &mut Method) {
     }
 }
 
+/// What is shown of a GPU, on a scene: the paper's methods and the default, dotted.
+pub fn on_gpu(scene: &Scene) -> Vec<Method> {
+    let renamed = |(name, on_gpu): (&str, &'static str)| {
+        let method = methods_for(scene).into_iter().find(|method| method.name == name)?;
+        Some(Method { name: on_gpu, look: Look { dash: Look::DOTTED, ..method.look }, ..method })
+    };
+    let all = [
+        (JACOBI, "Jacobi 2/3 (GPU)"),
+        (WANG, "Chebyshev-Jacobi (Wang) (GPU)"),
+        (PAPER, "SOR 1.9 (GPU)"),
+        (SHIPPED, "Split SOR 1.9, safe (GPU)"),
+    ];
+    all.into_iter().filter_map(renamed).collect()
+}
+
 /// The method of this name.
 pub fn named(name: &str) -> Option<Method> {
     methods().into_iter().find(|method| method.name == name)
@@ -152,5 +167,7 @@ mod tests {
         for name in [JACOBI, WANG, PLAIN, PAPER, MILD, SHIPPED, PAPER_SAFE, DIRECT] {
             assert!(named(name).is_some(), "{name}");
         }
+        let cloth = crate::figures::simulation::scenes::tablecloth(100).unwrap();
+        assert_eq!(on_gpu(&cloth).len(), 4);
     }
 }
