@@ -30,7 +30,7 @@ pub use body::{Attach, Body};
 pub use collisions::{Collisions, Obstacle, ObstacleError, Solid};
 pub use error::{BodyError, SceneError};
 pub use material::{Bending, ClothStrain, Material, VolumeStiffness};
-pub use ready::{armadillo, beam, curtain, drape, tablecloth};
+pub use ready::{armadillo, beam, curtain, drape, heap, noodles, stack, tablecloth};
 pub use scene::Scene;
 pub use select::Select;
 pub use shape::{Pattern, Shape, Source};

@@ -33,6 +33,7 @@ pub use vivace_mesh as mesh;
 pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Wind};
 pub use vivace_scene as scene;
 pub use vivace_scene::{Scene, SceneError};
+pub use vivace_solver::collision;
 pub use vivace_solver::{
     Base, Budget, ContactMemory, ContactReport, Ease, Framework, LocalStep, PhaseTimes, Preconditioner,
     Relaxation, Solver, SolverError, StepReport, Stop, VertexSolve,

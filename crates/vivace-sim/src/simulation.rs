@@ -5,7 +5,7 @@ use std::path::Path;
 
 use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 use vivace_scene::Scene;
-use vivace_solver::collision::Obstacle;
+use vivace_solver::collision::{Obstacle, Pose};
 use vivace_solver::{Budget, Collisions, Solver, SolverError, StepReport, System};
 
 use crate::{Backend, SimError, Snapshot, Vec3};
@@ -101,11 +101,15 @@ impl Simulation {
         obstacles.clear();
         for (obstacle, velocity) in &self.obstacles {
             let mut obstacle = obstacle.clone();
-            let position = obstacle.from.position.as_dvec3();
-            let at = |time: f64| (position + velocity.as_dvec3() * time).as_vec3();
-            (obstacle.from.position, obstacle.to.position) = (at(start), at(end));
+            let pose = obstacle.from;
+            (obstacle.from, obstacle.to) = (at(pose, *velocity, start), at(pose, *velocity, end));
             obstacles.push(obstacle);
         }
+    }
+
+    /// Where the scene's obstacles stand now, in order.
+    pub fn obstacles(&self) -> impl ExactSizeIterator<Item = Pose> {
+        self.obstacles.iter().map(|(obstacle, velocity)| at(obstacle.from, *velocity, self.time))
     }
 
     /// A model of your own, with `time_step` \[s\] from frame to frame.
@@ -320,4 +324,10 @@ impl Simulation {
         self.time = snapshot.time;
         Ok(())
     }
+}
+
+/// A pose at the start, `time` \[s\] later.
+fn at(pose: Pose, velocity: Vec3, time: f64) -> Pose {
+    let position = pose.position.as_dvec3() + velocity.as_dvec3() * time;
+    Pose { position: position.as_vec3(), ..pose }
 }

@@ -46,4 +46,5 @@ examples! {
     jelly_beam: "../examples/jelly_beam.rs",
     load_a_scene: "../examples/load_a_scene.rs",
     snapshot_and_resume: "../examples/snapshot_and_resume.rs",
+    cloth_on_a_ball: "../examples/cloth_on_a_ball.rs",
 }

@@ -11,6 +11,7 @@ mod contacts;
 mod convergence;
 mod determinism;
 mod extremes;
+mod heap;
 mod linear;
 mod pays_for_what_it_holds;
 mod symmetry;
