@@ -5,7 +5,7 @@ use std::path::Path;
 
 use vivace_model::{Forces, Model, ModelError, State, check_time_step};
 use vivace_scene::Scene;
-use vivace_solver::collision::{Obstacle, Pose};
+use vivace_solver::collision::{Contact, Obstacle, Pose};
 use vivace_solver::{Budget, Collisions, Solver, SolverError, StepReport, System};
 
 use crate::{Backend, SimError, Snapshot, Vec3};
@@ -105,6 +105,12 @@ impl Simulation {
             (obstacle.from, obstacle.to) = (at(pose, *velocity, start), at(pose, *velocity, end));
             obstacles.push(obstacle);
         }
+    }
+
+    /// The contacts that the last step has found; none without collisions.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        self.system.collisions().map_or(&[], Collisions::contacts)
     }
 
     /// Where the scene's obstacles stand now, in order.

@@ -23,11 +23,10 @@ pub(super) fn stills(played: &Played, width: u32) -> Result<PictureGrid, FigureE
     let mut cells = Vec::new();
     for (&frame, image) in frames.iter().zip(played.pictures(&frames, width)) {
         let Some(of) = frame.checked_sub(1).map(|idx| &played.frames[idx]) else { continue };
-        let contacts = &of.report.contacts;
         let lines = [
             format!("{:.0} ms, solver alone {:.0} ms", 1e3 * of.seconds, 1e3 * of.report.times.solve),
-            format!("{} contacts, {} colors", contacts.contacts, of.report.colors),
-            format!("{} edges changed, {} recolored", contacts.changed_edges, contacts.recolored),
+            format!("{} contacts, {} iterations", of.report.contacts.contacts, of.report.iterations),
+            format!("{} edges changed, {} vertices recolored", of.change.edges, of.change.vertices),
             format!("stretch {:.1}%, {} pairs cross", 100.0 * of.stretch[0], of.crossings),
         ];
         cells.push(Cell::new(image.png()?, &lines));
@@ -63,7 +62,7 @@ pub(super) fn over_time(played: &Played) -> Chart {
         ("… solver [ms]", "Solver alone"),
         ("… finding contacts [ms]", "Finding contacts"),
         ("… guard [ms]", "Guard"),
-        ("… graph and coloring [ms]", "Graph and coloring"),
+        ("… contacts made constraints, colored [ms]", "Coloring contacts"),
     ] {
         time = time.series(measured(wanted, name));
     }
@@ -75,9 +74,14 @@ pub(super) fn over_time(played: &Played) -> Chart {
     ] {
         changes = changes.series(measured(wanted, name));
     }
-    let mut work = Panel::new("Work of the solver", frame(), Axis::linear("Number").min(0.0));
-    for name in ["Colors", "Iterations"] {
-        work = work.series(measured(name, name));
+    let mut colors = Panel::new("Graph of vertices: colors", frame(), Axis::linear("Colors").min(0.0));
+    colors = colors.series(measured("Colors of vertices", "Colors of vertices"));
+    let mut coloring = Panel::new("Graph of vertices: coloring", frame(), Axis::log("Time").unit("ms"));
+    for (wanted, name) in [
+        ("Coloring that follows the contacts [ms]", "Coloring that follows"),
+        ("Coloring all vertices anew [ms]", "Coloring anew"),
+    ] {
+        coloring = coloring.series(measured(wanted, name));
     }
     let mut depth =
         Panel::new("Nearer than the thickness", frame(), Axis::linear("Depth").unit("mm").min(0.0))
@@ -92,7 +96,8 @@ pub(super) fn over_time(played: &Played) -> Chart {
     Chart::new(&format!("{}, frame by frame", played.name), 2)
         .panel(time)
         .panel(changes)
-        .panel(work)
+        .panel(colors)
+        .panel(coloring)
         .panel(depth)
         .panel(stretch)
 }

@@ -1,8 +1,10 @@
 //! Figures 1, 8 and 9: scenes whose bodies collide, frame by frame.
 //!
 //! The columns of the data (`figN` stands for each), a row for each frame: `scene`, `frame`, `time_ms` (the whole frame), and of it
-//! `detect_ms` (finding contacts), `color_ms` (contacts made constraints, graph, coloring), `solve_ms`, `guard_ms` (holding back what
-//! would pass); `contacts`, `changed_edges`, `recolored` (vertices), `colors`, `iterations`, `held_back` (particles, by the guard);
+//! `detect_ms` (finding contacts), `color_ms` (contacts made constraints, colored), `solve_ms`, `guard_ms` (holding back what
+//! would pass); `contacts`; of the graph of vertices, beside the frame: `changed_edges`, `recolored` (vertices), `vertex_colors`,
+//! `recolor_ms` (the coloring follows), `color_anew_ms` (it is made anew); `colors` (of the solver), `iterations`, `held_back`
+//! (particles, by the guard);
 //! `deepest_mm` and `mean_depth_mm` (how much nearer than the thickness the contacts are at the end of the frame), `crossings` (pairs
 //! of an edge and a triangle that cross at the end of the frame, by exact signs), `inside_mm` (how deep a particle is inside of an
 //! obstacle's own surface, at most), `mean_stretch` and `greatest_stretch` (of the edges, against their length at rest).
@@ -13,6 +15,7 @@ pub mod fig1;
 pub mod fig8;
 pub mod fig9;
 pub mod played;
+mod recoloring;
 
 use std::rc::Rc;
 
@@ -38,7 +41,7 @@ pub struct Sizes {
 impl Sizes {
     /// Half a minute for all three figures.
     pub fn quick() -> Self {
-        Self { noodles: 3, heap: 16, armadillo: 1000, n_frames: 48, still: 360 }
+        Self { noodles: 2, heap: 10, armadillo: 1000, n_frames: 40, still: 360 }
     }
 
     /// The paper's sizes.
@@ -98,7 +101,7 @@ fn falling(
     let played = played(context, scenario)?;
     context.progress.step("pictures");
     let caption = format!(
-        "{}: {}; h = {:.1} ms. {}, {} iterations a frame: a fixed number, not a time budget. Times are of {}: the solver alone, and the whole frame with collisions. Bodies keep {:.1} mm apart.",
+        "{}: {}; h = {:.1} ms. {}, {} iterations a frame: a fixed number, not a time budget. Times are of {}: the solver alone, and the whole frame with collisions. Bodies keep {:.1} mm apart. XPBD colors its contacts as constraints; the graph of vertices, which Projective Dynamics sweeps over, is colored beside it with the same contacts.",
         played.name,
         played.contents,
         1e3 * played.time_step,
