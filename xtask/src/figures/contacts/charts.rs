@@ -26,7 +26,8 @@ pub(super) fn stills(played: &Played, width: u32) -> Result<PictureGrid, FigureE
         let lines = [
             format!("{:.0} ms, solver alone {:.0} ms", 1e3 * of.seconds, 1e3 * of.report.times.solve),
             format!("{} contacts, {} iterations", of.report.contacts.contacts, of.report.iterations),
-            format!("{} edges changed, {} vertices recolored", of.change.edges, of.change.vertices),
+            format!("{} edges came or went", of.change.edges),
+            format!("{} vertices recolored", of.change.vertices),
             format!("stretch {:.1}%, {} pairs cross", 100.0 * of.stretch[0], of.crossings),
         ];
         cells.push(Cell::new(image.png()?, &lines));

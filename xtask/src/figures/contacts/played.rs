@@ -292,10 +292,10 @@ impl SignedDistance for HalfSpace {
 
 /// How deep a particle is inside of a solid \[m\]; 0 if none is.
 fn deepest(solids: &[Box<dyn SignedDistance + Sync>], moment: &Moment) -> f64 {
-    let inside = |(solid, pose): (&Box<dyn SignedDistance + Sync>, &Pose)| {
+    let inside = |(solid, pose): (&(dyn SignedDistance + Sync), &Pose)| {
         let back = pose.rotation.as_dquat().inverse();
         let local = |p: &Vec3| back * (p.as_dvec3() - pose.position.as_dvec3());
         moment.positions.iter().map(|p| -solid.value(local(p))).fold(0.0, f64::max)
     };
-    solids.iter().zip(&moment.poses).map(inside).fold(0.0, f64::max)
+    solids.iter().map(Box::as_ref).zip(&moment.poses).map(inside).fold(0.0, f64::max)
 }
