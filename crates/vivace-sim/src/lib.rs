@@ -41,6 +41,7 @@ pub use vivace_scene as scene;
 pub use vivace_scene::{Hold, Pose, Scene, SceneError};
 #[cfg(feature = "gpu")]
 pub use vivace_solver::Resident;
+pub use vivace_solver::collision;
 pub use vivace_solver::{
     Base, Budget, ContactMemory, ContactReport, Ease, Framework, LocalStep, PhaseTimes, Preconditioner,
     Relaxation, Solver, SolverError, StepReport, Stop, TearReport, VertexSolve,

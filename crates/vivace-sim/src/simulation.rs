@@ -11,7 +11,7 @@ use vivace_model::{Forces, Model, ModelError, State, Tear, check_time_step};
 use vivace_scene::{Built, Held, Hold, Pose, Scene};
 #[cfg(feature = "gpu")]
 use vivace_solver::Resident;
-use vivace_solver::collision::Obstacle;
+use vivace_solver::collision::{self, Contact, Obstacle};
 use vivace_solver::{
     Budget, Collisions, ContactMemory, Ease, PinMove, Solver, SolverError, StepReport, System,
 };
@@ -144,11 +144,21 @@ impl Simulation {
         obstacles.clear();
         for (obstacle, velocity) in &self.obstacles {
             let mut obstacle = obstacle.clone();
-            let position = obstacle.from.position.as_dvec3();
-            let at = |time: f64| (position + velocity.as_dvec3() * time).as_vec3();
-            (obstacle.from.position, obstacle.to.position) = (at(start), at(end));
+            let pose = obstacle.from;
+            (obstacle.from, obstacle.to) = (at(pose, *velocity, start), at(pose, *velocity, end));
             obstacles.push(obstacle);
         }
+    }
+
+    /// The contacts that the last step has found; none without collisions.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        self.system.collisions().map_or(&[], Collisions::contacts)
+    }
+
+    /// Where the scene's obstacles stand now, in order.
+    pub fn obstacles(&self) -> impl ExactSizeIterator<Item = collision::Pose> {
+        self.obstacles.iter().map(|(obstacle, velocity)| at(obstacle.from, *velocity, self.time))
     }
 
     /// A model of your own, with `time_step` \[s\] from frame to frame.
@@ -774,4 +784,10 @@ impl Simulation {
         }
         Ok(self.system.set_contact_memory(contacts)?)
     }
+}
+
+/// A pose at the start, `time` \[s\] later.
+fn at(pose: collision::Pose, velocity: Vec3, time: f64) -> collision::Pose {
+    let position = pose.position.as_dvec3() + velocity.as_dvec3() * time;
+    collision::Pose { position: position.as_vec3(), ..pose }
 }

@@ -9,7 +9,7 @@ use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
 use crate::contacts::ContactMemory;
-use crate::{ContactReport, Solver, SolverError, Stages};
+use crate::{ContactReport, Solver, SolverError, Stages, StepReport};
 
 /// A framework where it runs, with the positions and velocities of a frame.
 pub(crate) trait Engine: Debug + Send + Sync {
@@ -80,7 +80,7 @@ pub(crate) trait Engine: Debug + Send + Sync {
         model: &Model,
         collisions: &mut Collisions,
         h: f32,
-        report: &mut ContactReport,
+        report: &mut StepReport,
     ) -> Result<(), SolverError> {
         let _ = (model, collisions, h, report);
         Err(SolverError::NoCollisions)

@@ -1,6 +1,7 @@
 //! An engine on the host: what both frameworks share there, before and after they solve.
 
 use std::fmt::Debug;
+use std::time::Instant;
 
 use glam::{DMat3, Vec3};
 use vivace_model::{Forces, Model, State};
@@ -10,7 +11,7 @@ use crate::contacts::{Change, ContactMemory, Found};
 use crate::engine::Engine;
 use crate::pbd::PositionBased;
 use crate::pd::ProjectiveDynamics;
-use crate::{ContactReport, Framework, Solver, SolverError, Stages};
+use crate::{ContactReport, Framework, Solver, SolverError, Stages, StepReport};
 
 /// A framework on the host.
 pub(crate) trait Solve: Stages + Debug + Send + Sync {
@@ -151,16 +152,20 @@ impl Engine for Host {
         model: &Model,
         collisions: &mut Collisions,
         h: f32,
-        report: &mut ContactReport,
+        report: &mut StepReport,
     ) -> Result<(), SolverError> {
-        collisions.detect(&self.before, &self.predicted, h, report)?;
+        let start = Instant::now();
+        collisions.detect(&self.before, &self.predicted, h, &mut report.contacts)?;
+        report.times.detect += start.elapsed().as_secs_f64();
+        let start = Instant::now();
         let change = self.framework.set_contacts(&collisions.found(
             model.masses(),
             &self.before,
             &self.predicted,
             h,
         ))?;
-        report.add(&change);
+        report.contacts.add(&change);
+        report.times.color += start.elapsed().as_secs_f64();
         Ok(())
     }
 

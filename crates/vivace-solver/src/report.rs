@@ -89,9 +89,12 @@ pub struct PhaseTimes {
     pub predict: f64,
     /// Iterations.
     pub solve: f64,
-    /// Detection of contacts, graph and coloring.
+    /// Detection of contacts.
     #[serde(default)]
     pub detect: f64,
+    /// Contacts made constraints: graph and coloring.
+    #[serde(default)]
+    pub color: f64,
     /// The guard that lets nothing pass.
     #[serde(default)]
     pub guard: f64,

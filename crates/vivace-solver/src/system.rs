@@ -490,8 +490,7 @@ impl System {
         let detect_start = Instant::now();
         report.times.predict += (detect_start - predict_start).as_secs_f64();
         if let Some(collisions) = &mut self.collisions {
-            self.engine.collide(&self.model, collisions, h, &mut report.contacts)?;
-            report.times.detect += detect_start.elapsed().as_secs_f64();
+            self.engine.collide(&self.model, collisions, h, report)?;
         }
         let solve_start = Instant::now();
         self.engine.begin(h);

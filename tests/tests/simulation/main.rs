@@ -12,6 +12,7 @@ mod convergence;
 mod determinism;
 mod dragging;
 mod extremes;
+mod heap;
 mod linear;
 mod pays_for_what_it_holds;
 mod symmetry;

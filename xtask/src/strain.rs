@@ -4,7 +4,7 @@ use glam::Vec3;
 use vivace_model::Model;
 
 /// Edges and their rest lengths \[m\].
-pub(super) struct Strain {
+pub struct Strain {
     edges: Vec<([u32; 2], f32)>,
     /// Where particles rest \[m\].
     rest: Vec<Vec3>,
@@ -12,7 +12,7 @@ pub(super) struct Strain {
 
 impl Strain {
     /// The edges of all springs, triangles and tetrahedra, each once, as long as they are now.
-    pub(super) fn at_rest(model: &Model, positions: &[Vec3]) -> Self {
+    pub fn at_rest(model: &Model, positions: &[Vec3]) -> Self {
         let c = model.constraints();
         let mut edges = c.springs.particles.clone();
         edges.extend(model.surface().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]));
@@ -37,7 +37,7 @@ impl Strain {
     }
 
     /// Mean and greatest |length / rest − 1| \[1\]; NaN without edges.
-    pub(super) fn measure(&self, positions: &[Vec3]) -> [f64; 2] {
+    pub fn measure(&self, positions: &[Vec3]) -> [f64; 2] {
         let strain = |&([a, b], rest): &([u32; 2], f32)| {
             f64::from(positions[a as usize].distance(positions[b as usize]) / rest - 1.0).abs()
         };
