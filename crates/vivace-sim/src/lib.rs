@@ -35,5 +35,5 @@ pub use vivace_scene as scene;
 pub use vivace_scene::{Scene, SceneError};
 pub use vivace_solver::{
     Base, Budget, ContactMemory, ContactReport, Ease, Framework, LocalStep, PhaseTimes, Preconditioner,
-    Relaxation, Solver, SolverError, StepReport, Stop, VertexSolve,
+    Relaxation, Rho, Solver, SolverError, StepReport, Stop, VertexSolve,
 };

@@ -326,8 +326,14 @@ impl System {
     ) -> Result<(), SolverError> {
         let predict_start = Instant::now();
         self.engine.predict(&self.model, forces, h);
+        let estimate_start = Instant::now();
+        report.times.predict += (estimate_start - predict_start).as_secs_f64();
+        if self.ease.lacks_rho(self.solver.relaxation, h) {
+            self.engine.begin(h);
+            self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, h);
+            report.times.setup += estimate_start.elapsed().as_secs_f64();
+        }
         let detect_start = Instant::now();
-        report.times.predict += (detect_start - predict_start).as_secs_f64();
         if let Some(collisions) = &mut self.collisions {
             self.engine.collide(&self.model, collisions, h, &mut report.contacts)?;
             report.times.detect += detect_start.elapsed().as_secs_f64();

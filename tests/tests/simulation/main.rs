@@ -10,6 +10,7 @@ mod conservation;
 mod contacts;
 mod convergence;
 mod determinism;
+mod estimate;
 mod extremes;
 mod linear;
 mod pays_for_what_it_holds;
