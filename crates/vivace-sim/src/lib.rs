@@ -44,5 +44,5 @@ pub use vivace_solver::Resident;
 pub use vivace_solver::collision;
 pub use vivace_solver::{
     Base, Budget, ContactMemory, ContactReport, Ease, Framework, LocalStep, PhaseTimes, Preconditioner,
-    Relaxation, Solver, SolverError, StepReport, Stop, TearReport, VertexSolve,
+    Relaxation, Rho, Solver, SolverError, StepReport, Stop, TearReport, VertexSolve,
 };

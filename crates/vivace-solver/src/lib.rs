@@ -33,7 +33,7 @@ pub use collisions::Collisions;
 pub use contacts::{ContactMemory, Recoloring};
 pub use error::SolverError;
 pub use report::{ContactReport, PhaseTimes, StepReport, Stop, TearReport};
-pub use solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
+pub use solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Rho, Solver, VertexSolve};
 use stages::Stages;
 pub use step::Ease;
 pub use system::{PinMove, Resident, System};

@@ -83,25 +83,28 @@ impl ContactReport {
 /// Seconds spent in each phase of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseTimes {
-    /// Checks and copies; where the time step changed, parameters and factorization. (Graph and coloring are made with the system.)
+    /// Checks and copies; where the time step changed, parameters, factorization, [`Rho::Estimated`](crate::Rho::Estimated) \[s\]. (Graph
+    /// and coloring are made with the system.)
     pub setup: f64,
-    /// Outer forces and prediction.
+    /// Outer forces and prediction \[s\].
     pub predict: f64,
-    /// Iterations.
+    /// Iterations \[s\].
     pub solve: f64,
-    /// Detection of contacts.
+    /// Iterations \[s\].
+    pub solve: f64,
+    /// Detection of contacts \[s\].
     #[serde(default)]
     pub detect: f64,
-    /// Contacts made constraints: graph and coloring.
+    /// Contacts made constraints: graph and coloring \[s\].
     #[serde(default)]
     pub color: f64,
-    /// The guard that lets nothing pass.
+    /// The guard that lets nothing pass \[s\].
     #[serde(default)]
     pub guard: f64,
-    /// Looking for what tears, and making the system anew where something did.
+    /// Looking for what tears, and making the system anew where something did \[s\].
     #[serde(default)]
     pub tear: f64,
-    /// Velocities, checks, and measures where they are asked for.
+    /// Velocities, checks, and measures where they are asked for \[s\].
     pub finish: f64,
 }
 

@@ -487,8 +487,14 @@ impl System {
         if !self.pins.is_empty() {
             self.engine.place(&self.pins);
         }
+        let estimate_start = Instant::now();
+        report.times.predict += (estimate_start - predict_start).as_secs_f64();
+        if self.ease.lacks_rho(self.solver.relaxation, h) {
+            self.engine.begin(h);
+            self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, h);
+            report.times.setup += estimate_start.elapsed().as_secs_f64();
+        }
         let detect_start = Instant::now();
-        report.times.predict += (detect_start - predict_start).as_secs_f64();
         if let Some(collisions) = &mut self.collisions {
             self.engine.collide(&self.model, collisions, h, report)?;
         }

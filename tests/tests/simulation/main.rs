@@ -11,6 +11,7 @@ mod contacts;
 mod convergence;
 mod determinism;
 mod dragging;
+mod estimate;
 mod extremes;
 mod heap;
 mod linear;

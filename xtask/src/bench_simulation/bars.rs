@@ -126,15 +126,22 @@ impl Judge<'_> {
         self.push("B, PD strain, split, over PLAIN", Asked::Nothing, times.ratio("B", "PD strain, split", 1));
         self.push("B, PD strain, fused, over PLAIN", Asked::Nothing, times.ratio("B", "PD strain, fused", 1));
         let scale = 55_000.0 / self.measured.n_tets.max(1) as f64;
-        let local = |n_threads| {
-            let sweep = times.ms("B", "PD strain, linear sweep", n_threads);
-            times.ms("B", "PD strain, split", n_threads).with(sweep, |all, sweep| (all - sweep) * scale)
+        let local = |kind: &str, how: &str, n_threads| {
+            let sweep = times.ms("B", &format!("PD {kind}, linear sweep"), n_threads);
+            let split = times.ms("B", &format!("PD {kind}, split{how}"), n_threads);
+            split.with(sweep, |all, sweep| (all - sweep) * scale)
         };
-        self.push("B, local step of 55K tetrahedra, gathered, 1 thread [ms]", Asked::AtMost(3.0), local(1));
-        if self.measured.n_threads > 1 {
-            let n = self.measured.n_threads;
-            let bar = format!("B, local step of 55K tetrahedra, gathered, {n} threads [ms]");
-            self.push(&bar, Asked::Nothing, local(n));
+        for (kind, how, asked) in [
+            ("strain", "", Asked::AtMost(3.0)),
+            ("strain", ", stretched", Asked::AtMost(3.0)),
+            ("volume", ", stretched", Asked::Nothing),
+        ] {
+            let bar = format!("B, local step of 55K tetrahedra, {kind}{how}, gathered");
+            self.push(&format!("{bar}, 1 thread [ms]"), asked, local(kind, how, 1));
+            if self.measured.n_threads > 1 {
+                let n = self.measured.n_threads;
+                self.push(&format!("{bar}, {n} threads [ms]"), Asked::Nothing, local(kind, how, n));
+            }
         }
     }
 

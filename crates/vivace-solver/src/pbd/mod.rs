@@ -10,6 +10,7 @@
 pub(crate) mod arranged;
 pub(crate) mod coloring;
 mod contacts;
+mod halves;
 mod kind;
 
 use glam::{Vec3, Vec4};

@@ -6,7 +6,7 @@ use glam::{Mat3, Vec3, Vec3A};
 use wide::f32x8;
 
 use super::pass::Pass;
-use super::points::{LANES, Lanes3, Points, load};
+use super::points::{LANES, Lanes3, Points, Read, load};
 use super::slices::Slices;
 
 /// What a sweep reads beside q.
@@ -39,12 +39,17 @@ impl Vertices<'_> {
         (self.anchors.lanes(first) - at) * load(self.anchor_weights, first)
     }
 
-    /// `(b − Y q)` of the vertices of `slice` \[N\] with everything projected from q.
+    /// `(b − Y q)` of the vertices of `slice` \[N\] with everything projected from q, where they are `at` q.
     #[inline]
-    pub(crate) fn fused(&self, slice: usize, q: &Points) -> Lanes3 {
-        let (first, n) = self.slices.slices[slice];
-        let at = q.lanes(first);
-        let mut sum = self.inertia(first, at);
+    pub(crate) fn fused(&self, slice: usize, at: Lanes3, q: &Points) -> Lanes3 {
+        let sum = self.fused_rows(slice, at, q);
+        if self.passes.is_empty() { sum } else { sum + self.pass_pulls(slice, q) }
+    }
+
+    /// As [`Vertices::fused`], without passes.
+    #[inline]
+    pub(crate) fn fused_rows(&self, slice: usize, at: Lanes3, q: &impl Read) -> Lanes3 {
+        let mut sum = self.inertia(self.slices.slices[slice].0, at);
         let springs = &self.slices.springs;
         springs.slots.for_each(slice, q, at, |slot, d| {
             let length = d.squared_length().sqrt();
@@ -52,14 +57,13 @@ impl Vertices<'_> {
         });
         let others = &self.slices.others;
         others.for_each(slice, q, at, |slot, d| sum = sum + d * others.weights[slot]);
-        if self.passes.is_empty() { sum } else { sum + self.pass_pulls(first, n, q) }
+        sum
     }
 
     /// `(b − Y q)` of the vertices of `slice` \[N\] with all projections in `pulls`.
     #[inline]
-    pub(crate) fn linear(&self, slice: usize, q: &Points, pulls: &Points) -> Lanes3 {
+    pub(crate) fn linear(&self, slice: usize, at: Lanes3, q: &impl Read, pulls: &Points) -> Lanes3 {
         let (first, _) = self.slices.slices[slice];
-        let at = q.lanes(first);
         let mut sum = self.inertia(first, at) + pulls.lanes(first);
         for slots in [&self.slices.springs.slots, &self.slices.others] {
             slots.for_each(slice, q, at, |slot, d| sum = sum + d * slots.weights[slot]);
@@ -80,8 +84,9 @@ impl Vertices<'_> {
         sum
     }
 
-    /// What the passes ask of `n` vertices from `first` on \[N\].
-    fn pass_pulls(&self, first: usize, n: usize, q: &Points) -> Lanes3 {
+    /// What the passes ask of the vertices of `slice` \[N\].
+    fn pass_pulls(&self, slice: usize, q: &Points) -> Lanes3 {
+        let (first, n) = self.slices.slices[slice];
         let mut pulls = [Vec3A::ZERO; LANES];
         self.passes.iter().for_each(|pass| pass.pull_fused(first..first + n, q, &mut pulls[..n]));
         Lanes3::from_array(pulls)
@@ -93,10 +98,21 @@ impl Vertices<'_> {
         residual * load(self.inverse_diagonal, self.slices.slices[slice].0)
     }
 
-    /// By how much the vertices of `slice` move \[m\], each by its own block of the Hessian; by the diagonal where `f32` cannot invert it.
+    /// By how much the vertices of `slice`, which are `at` q, move \[m\], each by its own block of the Hessian; by the diagonal where `f32`
+    /// cannot invert it.
     #[inline]
-    pub(crate) fn by_blocks(&self, slice: usize, q: &Points, residual: Lanes3) -> Lanes3 {
-        let Blocks { diagonal, off } = self.blocks(slice, q);
+    pub(crate) fn by_blocks(&self, slice: usize, at: Lanes3, q: &Points, residual: Lanes3) -> Lanes3 {
+        self.solve(slice, self.blocks(slice, at, q), residual)
+    }
+
+    /// As [`Vertices::by_blocks`], without passes.
+    #[inline]
+    pub(crate) fn by_row_blocks(&self, slice: usize, at: Lanes3, q: &impl Read, residual: Lanes3) -> Lanes3 {
+        self.solve(slice, self.row_blocks(slice, at, q), residual)
+    }
+
+    #[inline]
+    fn solve(&self, slice: usize, Blocks { diagonal, off }: Blocks, residual: Lanes3) -> Lanes3 {
         let (x, y, z) = (
             Lanes3 { x: diagonal.x, y: off.z, z: off.y },
             Lanes3 { x: off.z, y: diagonal.y, z: off.x },
@@ -118,23 +134,9 @@ impl Vertices<'_> {
     /// Each vertex's own block of the Hessian, of springs exactly (positive semi-definite: k (u uᵀ + across (I − u uᵀ)) in place of
     /// k I), of passes as they say, of all else as in Y \[N/m\].
     #[inline]
-    fn blocks(&self, slice: usize, q: &Points) -> Blocks {
+    fn blocks(&self, slice: usize, at: Lanes3, q: &Points) -> Blocks {
         let (first, n) = self.slices.slices[slice];
-        let at = q.lanes(first);
-        let mut isotropic = load(self.diagonal, first) + load(self.anchor_weights, first);
-        let (mut diagonal, mut off) = (Lanes3::ZERO, Lanes3::ZERO);
-        let springs = &self.slices.springs;
-        springs.slots.for_each(slice, q, at, |slot, d| {
-            let squared = d.squared_length();
-            let stiffness = springs.stiffness[slot];
-            let across = (stiffness - springs.pulls[slot] / squared.sqrt()).fast_max(f32x8::ZERO);
-            isotropic += across - stiffness;
-            let scaled = d * ((stiffness - across) / squared);
-            diagonal = diagonal + Lanes3 { x: scaled.x * d.x, y: scaled.y * d.y, z: scaled.z * d.z };
-            off = off + Lanes3 { x: scaled.y * d.z, y: scaled.z * d.x, z: scaled.x * d.y };
-        });
-        let isotropic = Lanes3::splat(isotropic);
-        let mut blocks = Blocks { diagonal: diagonal + isotropic, off };
+        let mut blocks = self.row_blocks(slice, at, q);
         if !self.passes.is_empty() {
             blocks.add(std::array::from_fn(|lane| {
                 let mut block = Mat3::ZERO;
@@ -147,9 +149,29 @@ impl Vertices<'_> {
         blocks
     }
 
+    /// As [`Vertices::blocks`], without passes.
+    #[inline]
+    fn row_blocks(&self, slice: usize, at: Lanes3, q: &impl Read) -> Blocks {
+        let (first, _) = self.slices.slices[slice];
+        let mut isotropic = load(self.diagonal, first) + load(self.anchor_weights, first);
+        let (mut diagonal, mut off) = (Lanes3::ZERO, Lanes3::ZERO);
+        let springs = &self.slices.springs;
+        springs.slots.for_each(slice, q, at, |slot, d| {
+            let squared = d.squared_length();
+            let stiffness = springs.stiffness[slot];
+            let across = (stiffness - springs.pulls[slot] / squared.sqrt()).fast_max(f32x8::ZERO);
+            isotropic += across - stiffness;
+            let scaled = d * ((stiffness - across) / squared);
+            diagonal = diagonal + Lanes3 { x: scaled.x * d.x, y: scaled.y * d.y, z: scaled.z * d.z };
+            off = off + Lanes3 { x: scaled.y * d.z, y: scaled.z * d.x, z: scaled.x * d.y };
+        });
+        Blocks { diagonal: diagonal + Lanes3::splat(isotropic), off }
+    }
+
     /// [`Vertices::by_blocks`] solves with this, for one of the vertices \[N/m\].
     pub(crate) fn block(&self, slice: usize, lane: usize, q: &Points) -> Mat3 {
-        let Blocks { diagonal, off } = self.blocks(slice, q);
+        let at = q.lanes(self.slices.slices[slice].0);
+        let Blocks { diagonal, off } = self.blocks(slice, at, q);
         let (d, off) = (diagonal.to_array()[lane], off.to_array()[lane]);
         Mat3::from_cols(
             Vec3::new(d.x, off.z, off.y),
@@ -274,9 +296,10 @@ mod tests {
             let mut objective = [0.0; 2];
             let mut n_seen = 0;
             for (slice, &(first, n)) in slices.slices.iter().enumerate() {
-                let fused = vertices.fused(slice, &q);
-                let step = vertices.by_blocks(slice, &q, fused).to_array();
-                let linear = vertices.linear(slice, &q, &pulls) + vertices.spring_pulls(slice, &q);
+                let at = q.lanes(first);
+                let fused = vertices.fused(slice, at, &q);
+                let step = vertices.by_blocks(slice, at, &q, fused).to_array();
+                let linear = vertices.linear(slice, at, &q, &pulls) + vertices.spring_pulls(slice, &q);
                 objective[0] += vertices.objective(slice, &q);
                 for (lane, step) in step.iter().enumerate().take(n) {
                     let i = first + lane;
