@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use vivace_mesh::{ball, obj, vtk};
+use xtask::figures::contacts;
 use xtask::figures::families::Families;
 use xtask::figures::simulation::{self, scenes};
 use xtask::figures::{self, Options, Sizes};
@@ -21,6 +22,7 @@ fn tiny() -> Sizes {
         ablation_seeds: 2,
         seconds: 0.0,
         simulation: simulation::Sizes { vertices: 100, n_frames: 4, every: 2, most_sweeps: 8, still: 60 },
+        contacts: contacts::Sizes { noodles: 2, heap: 6, armadillo: 100, n_frames: 3, still: 60 },
         trade: Effort { warm_frames: 1, longest_ms: 0.1, stable_frames: 2, fine_steps: 8 },
         is_reduced: true,
     }

@@ -154,7 +154,8 @@ fn what_cannot_be_is_refused_by_name() {
     let box_of = |min: f32, max: f32| Select::Box { min: Vec3::splat(min), max: Vec3::splat(max) };
     let held = |select, stiffness| Attach { select, stiffness, offset: Vec3::ZERO };
     let volume = |density, strain, volume| Material::Volume { density, strain, volume, springs: None };
-    let cloth = |density, springs, bending| Material::Cloth { density, springs, bending, strain: None, tear: None };
+    let cloth =
+        |density, springs, bending| Material::Cloth { density, springs, bending, strain: None, tear: None };
     let ball = |body: &mut Body, material| {
         (body.shape, body.material) = (Shape::Ball { n: 2, radius: 1.0 }, material);
     };

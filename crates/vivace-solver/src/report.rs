@@ -90,8 +90,6 @@ pub struct PhaseTimes {
     pub predict: f64,
     /// Iterations \[s\].
     pub solve: f64,
-    /// Iterations \[s\].
-    pub solve: f64,
     /// Detection of contacts \[s\].
     #[serde(default)]
     pub detect: f64,

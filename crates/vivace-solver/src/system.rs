@@ -494,7 +494,6 @@ impl System {
             self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, h);
             report.times.setup += estimate_start.elapsed().as_secs_f64();
         }
-        let detect_start = Instant::now();
         if let Some(collisions) = &mut self.collisions {
             self.engine.collide(&self.model, collisions, h, report)?;
         }

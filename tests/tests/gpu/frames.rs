@@ -9,7 +9,7 @@ use vivace_gpu::{Footprint, Gpu, GpuError, wgpu};
 use vivace_kernels::Backend;
 use vivace_model::{Forces, State, Wind};
 use vivace_solver::{
-    Budget, Ease, Framework, PinMove, Relaxation, Solver, SolverError, StepReport, System,
+    Budget, Ease, Framework, PinMove, Relaxation, Rho, Solver, SolverError, StepReport, System,
 };
 use vivace_tests::naive::Naive;
 use vivace_tests::scenes::{
@@ -205,8 +205,8 @@ fn the_safeguard_decides_alike_wherever_it_is() {
     for framework in frameworks {
         for relaxation in relaxations().into_iter().chain([
             gauss_seidel(1.97),
-            Relaxation::Chebyshev { rho: 0.9999, gamma: 1.0, delay: 0 },
-            Relaxation::ChebyshevGaussSeidel { rho: 0.9999, delay: 0 },
+            Relaxation::Chebyshev { rho: Rho::Given(0.9999), gamma: 1.0, delay: 0 },
+            Relaxation::ChebyshevGaussSeidel { rho: Rho::Given(0.9999), delay: 0 },
         ]) {
             let is_serial = matches!(relaxation, Relaxation::Lexicographic { .. });
             if !is_serial {
@@ -232,7 +232,7 @@ fn the_safeguard_decides_alike_wherever_it_is() {
 fn what_the_safeguard_knows_is_passed_on() {
     let mut scene = cloth(10, 100.0, Some(1e-4));
     jitter(&scene.0, &mut scene.1, 0.02, 3);
-    let relaxation = Relaxation::ChebyshevGaussSeidel { rho: 0.9999, delay: 0 };
+    let relaxation = Relaxation::ChebyshevGaussSeidel { rho: Rho::Given(0.9999), delay: 0 };
     let solver = Solver { relaxation, substeps: 2, ..Solver::default() };
     let played = |backend_changes: [bool; 6]| {
         let new = || System::on(scene.0.clone(), solver, Cpu::new()).unwrap();

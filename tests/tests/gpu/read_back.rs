@@ -80,7 +80,7 @@ fn a_copy_of_nothing_is_there_at_once() {
     let mut copy = gpu.read_back(&gpu.filled(0, 0_u32)).unwrap();
     assert!(copy.is_empty());
     assert_eq!(copy.try_read().unwrap(), Some(Vec::new()));
-    assert_eq!(copy.wait().unwrap(), Vec::new());
+    assert_eq!(copy.wait().unwrap(), Vec::<u32>::new());
 }
 
 #[test]

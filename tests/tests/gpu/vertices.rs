@@ -15,9 +15,9 @@ use vivace_kernels::pd::{
 };
 use vivace_kernels::step::{
     Blow, BlowUniform, CopyVector, CopyVectorWhere, CopyVectorWhereUniform, Decide, DecideUniform,
-    Extrapolate, ExtrapolateUniform, PickWeight, PickWeightUniform, Place, Predict, PredictUniform, SetVector,
-    SetVectorUniform, SquaredDistance, SquaredLength, Sum, SumUniform, UpdateVelocity, UpdateVelocityUniform,
-    Watch, Weight,
+    Extrapolate, ExtrapolateUniform, PickWeight, PickWeightUniform, Place, Predict, PredictUniform,
+    SetVector, SetVectorUniform, SquaredDistance, SquaredLength, Sum, SumUniform, UpdateVelocity,
+    UpdateVelocityUniform, Watch, Weight,
 };
 use vivace_kernels::{Backend, HostViews, Kernel, Map, PARAMS_BYTES, Params, View, linear, pd, step};
 use vivace_tests::naive::Naive;

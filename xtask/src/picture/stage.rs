@@ -1,12 +1,13 @@
 //! A scene as it is shown: bodies in colors, obstacles in gray, shadows on floors.
 
-use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::Vec3;
 use vivace_mesh::{TriMesh, obj};
 use vivace_model::Model;
 use vivace_scene::{Scene, SceneError, Solid};
+use vivace_sim::Simulation;
 use vivace_sim::collision::Pose;
 
 use super::camera::Camera;
@@ -33,8 +34,9 @@ const FLOOR_SIZE: f32 = 40.0;
 
 /// What is in the pictures of a scene.
 pub struct Stage {
-    /// The triangles of each body.
-    bodies: Vec<Vec<[u32; 3]>>,
+    /// The body of each triangle: where something tears, triangles get other corners, not other numbers.
+    body_of: Vec<usize>,
+    n_bodies: usize,
     obstacles: Vec<TriMesh>,
     is_floor: Vec<bool>,
     /// How far above a floor its shadows lie \[m\].
@@ -48,6 +50,21 @@ pub struct Moment {
     pub positions: Vec<Vec3>,
     /// Of the obstacles, in order.
     pub poses: Vec<Pose>,
+    /// The triangles.
+    pub surface: Arc<[[u32; 3]]>,
+}
+
+impl Moment {
+    /// Now; `last` lends its surface if it is still the same.
+    pub fn now(simulation: &Simulation, last: Option<&Self>) -> Self {
+        let surface = simulation.model().surface();
+        let same = last.filter(|last| *last.surface == *surface);
+        Self {
+            positions: simulation.positions().to_vec(),
+            poses: simulation.obstacles().collect(),
+            surface: same.map_or_else(|| surface.into(), |last| Arc::clone(&last.surface)),
+        }
+    }
 }
 
 /// An obstacle in a moment: positions, triangles, pose.
@@ -67,11 +84,11 @@ impl Stage {
             let surface = of.surface(folder, FLOOR_SIZE * size);
             surface.map_err(|source| SceneError::Obstacle { obstacle, source })
         };
-        let triangles = |body: &Range<u32>| -> Vec<[u32; 3]> {
-            model.surface().iter().filter(|triangle| body.contains(&triangle[0])).copied().collect()
-        };
+        let bodies = model.bodies();
+        let body_of = |triangle: &[u32; 3]| bodies.iter().position(|body| body.contains(&triangle[0]));
         Ok(Self {
-            bodies: model.bodies().iter().map(triangles).collect(),
+            body_of: model.surface().iter().map(|triangle| body_of(triangle).unwrap_or(0)).collect(),
+            n_bodies: bodies.len(),
             is_floor: solids.clone().map(|of| of.solid == Solid::Plane).collect(),
             obstacles: solids.enumerate().map(surface).collect::<Result<_, _>>()?,
             lift: 1e-3 * size,
@@ -99,8 +116,11 @@ impl Stage {
         let of = |wanted: bool| {
             all.iter().zip(&self.is_floor).filter(move |(_, is)| **is == wanted).map(|(standing, _)| standing)
         };
-        let bodies =
-            || self.bodies.iter().map(|triangles| (moment.positions.as_slice(), triangles.as_slice()));
+        let mut of_bodies = vec![Vec::new(); self.n_bodies];
+        for (triangle, &body) in moment.surface.iter().zip(&self.body_of) {
+            of_bodies[body].push(*triangle);
+        }
+        let bodies = || of_bodies.iter().map(|triangles| (moment.positions.as_slice(), triangles.as_slice()));
         let mut shadows = Vec::new();
         for (.., floor) in of(true) {
             let solids = of(false).map(|(positions, triangles, _)| (positions.as_slice(), *triangles));
@@ -149,7 +169,7 @@ fn shadow(positions: &[Vec3], triangles: &[[u32; 3]], floor: Pose, lift: f32) ->
 #[cfg(test)]
 mod tests {
     use vivace_scene::drape;
-    use vivace_sim::{Simulation, Solver};
+    use vivace_sim::Solver;
 
     use super::*;
 
@@ -158,8 +178,7 @@ mod tests {
         let scene = drape(8);
         let simulation = Simulation::new(&scene, Solver::default()).unwrap();
         let stage = Stage::new(&scene, Path::new("."), simulation.model(), simulation.positions()).unwrap();
-        let moment =
-            Moment { positions: simulation.positions().to_vec(), poses: simulation.obstacles().collect() };
+        let moment = Moment::now(&simulation, None);
         let camera = stage.camera([&moment], Vec3::new(-0.3, -0.5, -1.0));
         let image = stage.render(&moment, &camera, 120, 90);
         let has = |wanted: &dyn Fn([i32; 3]) -> bool| {

@@ -20,7 +20,7 @@ pub(super) struct Watch<B: Backend, U: Weight> {
     sweeps: Table<B, U>,
     extrapolations: Table<B, ExtrapolateUniform>,
     n: usize,
-    of: Option<(Relaxation, f32)>,
+    of: Option<(Relaxation, f32, Option<f32>)>,
     /// What the host thinks that the device knows; `None` if it has changed its mind.
     ease: Option<Ease>,
     /// Whether the device knows more than the host.
@@ -98,11 +98,12 @@ impl<B: Backend, U: Weight> Watch<B, U> {
         sweep: impl Fn(f32) -> U,
     ) {
         let n = self.n.max(most as usize);
-        if self.of != Some((relaxation, squared_h)) || n > self.n {
-            (self.of, self.n) = (Some((relaxation, squared_h)), n);
+        let of = Some((relaxation, squared_h, ease.rho()));
+        if self.of != of || n > self.n {
+            (self.of, self.n) = (of, n);
             let (mut sweeps, mut extrapolations) = (Vec::new(), Vec::new());
             for level in 0..=LARGEST {
-                for weights in Weights::of(relaxation, level, n) {
+                for weights in Weights::of(relaxation, ease.at([level, 0]), n) {
                     sweeps.push(sweep(weights.sweep));
                     extrapolations.push(ExtrapolateUniform { omega: weights.extrapolation });
                 }
@@ -182,7 +183,7 @@ impl<B: Backend, U: Weight> Watch<B, U> {
             let mut known = [Known::zeroed()];
             backend.fetch(&self.known, &mut known)?;
             let [known] = known;
-            *ease = Ease::from_parts([known.level, known.quiet_steps]);
+            *ease = ease.at([known.level, known.quiet_steps]);
             report.backoffs += known.n_backoffs.wrapping_sub(self.n_backoffs);
             report.objective = report.objective.or(Some(known.kept.into()));
             (self.ease, self.n_backoffs, self.is_ahead) = (Some(*ease), known.n_backoffs, false);

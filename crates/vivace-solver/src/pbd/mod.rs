@@ -111,7 +111,9 @@ impl Solve for PositionBased {
         self.count();
         let attachments = &model.constraints().attachments;
         if !attachments.is_empty() {
-            self.kinds.push(kind::of_attachments(attachments, self.n_colors));
+            // Particle numbers are 32-bit by construction of the model.
+            let n_particles = u32::try_from(model.n_particles()).unwrap_or(u32::MAX);
+            self.kinds.push(kind::of_attachments(attachments, self.n_colors, n_particles));
             self.has_attachments = true;
             self.count();
         }

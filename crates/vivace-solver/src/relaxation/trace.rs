@@ -1,6 +1,7 @@
 //! What a relaxation asks of its stages, without any.
 
 use super::Schedule;
+use crate::step::Ease;
 use crate::{Preconditioner, Relaxation, Stages};
 
 /// The weights of an iteration.
@@ -15,9 +16,9 @@ pub(crate) struct Weights {
 impl Weights {
     const PLAIN: Self = Self { sweep: 1.0, extrapolation: 1.0 };
 
-    /// Those of the first `n` iterations under the safeguard, after `ease` halvings of the acceleration. All sweeps of an iteration have the
-    /// same.
-    pub(crate) fn of(relaxation: Relaxation, ease: u32, n: usize) -> impl Iterator<Item = Self> {
+    /// Those of the first `n` iterations under the safeguard, with acceleration eased as `ease` says. All sweeps of an iteration have
+    /// the same.
+    pub(crate) fn of(relaxation: Relaxation, ease: Ease, n: usize) -> impl Iterator<Item = Self> {
         let mut schedule = Schedule::new(relaxation, ease, true);
         (0..n).map(move |_| {
             let mut weights = Self::PLAIN;
@@ -80,11 +81,13 @@ impl Stages for Weights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Base;
+    use crate::{Base, Rho};
 
     #[test]
     fn weights_are_those_of_the_schedule() {
-        let of = |relaxation, ease| Weights::of(relaxation, ease, 7).collect::<Vec<_>>();
+        let of = |relaxation, level| {
+            Weights::of(relaxation, Ease::default().at([level, 0]), 7).collect::<Vec<_>>()
+        };
         let sor = |base| Relaxation::GaussSeidel { omega: 1.8, base };
         let sweeps = |weights: Vec<Weights>| weights.iter().map(|w| w.sweep).collect::<Vec<_>>();
         assert_eq!(sweeps(of(sor(Base::Latest), 0)), [1.0, 1.0, 1.0, 1.0, 1.0, 1.8, 1.8]);
@@ -92,7 +95,7 @@ mod tests {
         let printed = of(sor(Base::PreviousInPlace), 0);
         assert!(printed.iter().all(|w| w.sweep == 1.0) && printed[0].extrapolation == 1.0);
         assert!(printed[1..].iter().all(|w| w.extrapolation == 1.8));
-        let wang = of(Relaxation::Chebyshev { rho: 0.5, gamma: 0.9, delay: 0 }, 0);
+        let wang = of(Relaxation::Chebyshev { rho: Rho::Given(0.5), gamma: 0.9, delay: 0 }, 0);
         assert!(wang.iter().all(|w| w.sweep == 0.9) && wang[4].extrapolation == 1.0);
         assert_eq!(wang[5].extrapolation, 2.0 / 1.75);
     }

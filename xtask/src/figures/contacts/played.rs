@@ -103,12 +103,8 @@ impl Played {
         let strain = Strain::at_rest(&model, simulation.positions());
         let stage = Stage::new(&scene, folder, &model, simulation.positions())?;
         let solids = solids(&scene, folder)?;
-        let moment = |simulation: &Simulation| Moment {
-            positions: simulation.positions().to_vec(),
-            poses: simulation.obstacles().collect(),
-        };
         let mut recoloring = Recoloring::new(&model)?;
-        let (mut frames, mut moments) = (Vec::new(), vec![moment(&simulation)]);
+        let (mut frames, mut moments) = (Vec::new(), vec![Moment::now(&simulation, None)]);
         for frame in 0..n_frames {
             if frame % n_frames.div_ceil(4).max(1) == 0 {
                 progress.step(&format!("{}: frame {}", scene.name, frame + 1));
@@ -116,7 +112,7 @@ impl Played {
             let start = Instant::now();
             let report = simulation.step(Budget::iterations(iterations))?;
             let seconds = start.elapsed().as_secs_f64();
-            let now = moment(&simulation);
+            let now = Moment::now(&simulation, moments.last());
             let has_collisions = scene.collisions.is_some();
             frames.push(Frame {
                 report,
