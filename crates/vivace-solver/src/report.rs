@@ -35,7 +35,7 @@ pub struct StepReport {
     pub contacts: ContactReport,
 }
 
-/// What collisions did in a step. Counts are sums over its small steps; depths are those of the last.
+/// What collisions did in a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactReport {
@@ -74,9 +74,12 @@ pub struct PhaseTimes {
     pub predict: f64,
     /// Iterations.
     pub solve: f64,
-    /// Detection of contacts, graph and coloring.
+    /// Detection of contacts.
     #[serde(default)]
     pub detect: f64,
+    /// Contacts made constraints: graph and coloring.
+    #[serde(default)]
+    pub color: f64,
     /// The guard that lets nothing pass.
     #[serde(default)]
     pub guard: f64,
