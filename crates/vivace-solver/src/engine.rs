@@ -8,8 +8,8 @@ use vivace_coloring::Vivace;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
-use crate::contacts::ContactMemory;
-use crate::{ContactReport, Solver, SolverError, Stages, StepReport};
+use crate::contacts::{ContactMemory, SmallStep};
+use crate::{ContactReport, Solver, SolverError, Stages};
 
 /// A framework where it runs, with the positions and velocities of a frame.
 pub(crate) trait Engine: Debug + Send + Sync {
@@ -71,27 +71,47 @@ pub(crate) trait Engine: Debug + Send + Sync {
         false
     }
 
-    /// Finds the contacts of the step from where it begins to what was predicted, and takes them.
+    /// Finds the contacts of the step of `h` \[s\] from where it begins to what was predicted for its end.
     ///
     /// # Errors
     /// The engine has no contacts; detection refuses what was predicted.
-    fn collide(
+    fn detect(
         &mut self,
-        model: &Model,
         collisions: &mut Collisions,
         h: f32,
-        report: &mut StepReport,
+        report: &mut ContactReport,
     ) -> Result<(), SolverError> {
-        let _ = (model, collisions, h, report);
+        let _ = (collisions, h, report);
         Err(SolverError::NoCollisions)
     }
 
-    /// After lines 3 to 8: holds back what would pass through.
+    /// Takes the contacts that were found, for a small step whose end has been predicted.
     ///
     /// # Errors
-    /// As [`Engine::collide`].
-    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError> {
-        let _ = (collisions, report);
+    /// As [`Engine::detect`].
+    fn take_contacts(
+        &mut self,
+        model: &Model,
+        collisions: &Collisions,
+        small: SmallStep,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let _ = (model, collisions, small, report);
+        Err(SolverError::NoCollisions)
+    }
+
+    /// After all small steps of a step of `h` \[s\]: holds back what has passed through something since contacts were looked for.
+    ///
+    /// # Errors
+    /// As [`Engine::detect`].
+    fn guard(
+        &mut self,
+        collisions: &mut Collisions,
+        forces: &Forces,
+        h: f32,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let _ = (collisions, forces, h, report);
         Err(SolverError::NoCollisions)
     }
 

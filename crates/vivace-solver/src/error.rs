@@ -70,14 +70,6 @@ pub enum SolverError {
         /// What the factorisation said.
         reason: String,
     },
-    /// Where contacts cannot be.
-    #[error(
-        "{relaxation} solves a matrix that contacts would change in every frame; take GaussSeidel for scenes with collisions"
-    )]
-    NoContacts {
-        /// The relaxation.
-        relaxation: &'static str,
-    },
     /// The engine has no collisions.
     #[error("collisions are found and solved on the CPU only; take the CPU, or a scene without them")]
     NoCollisions,

@@ -1,17 +1,16 @@
 //! An engine on the host: what both frameworks share there, before and after they solve.
 
 use std::fmt::Debug;
-use std::time::Instant;
 
 use glam::{DMat3, Vec3};
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
-use crate::contacts::{Change, ContactMemory, Found};
+use crate::contacts::{Change, ContactMemory, Found, SmallStep};
 use crate::engine::Engine;
 use crate::pbd::PositionBased;
 use crate::pd::ProjectiveDynamics;
-use crate::{ContactReport, Framework, Solver, SolverError, Stages, StepReport};
+use crate::{ContactReport, Framework, Solver, SolverError, Stages};
 
 /// A framework on the host.
 pub(crate) trait Solve: Stages + Debug + Send + Sync {
@@ -27,7 +26,7 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
     /// See [`Engine::prepare`].
     fn prepare(&mut self, h: f32) -> Result<(), SolverError>;
 
-    /// Takes the contacts of a step, after [`Solve::prepare`] and before [`Solve::begin`].
+    /// Takes the contacts of a small step, after [`Solve::prepare`] and before [`Solve::begin`].
     fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError>;
 
     /// See [`Engine::memory`].
@@ -44,13 +43,15 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
     fn begin(&mut self, h: f32, predicted: &[Vec3]);
 
     /// Writes the positions, in the model's order \[m\].
-    fn end(&self, positions: &mut [Vec3]);
+    fn end(&mut self, positions: &mut [Vec3]);
 }
 
 /// A framework, and what moves.
 #[derive(Debug)]
 pub(crate) struct Host {
     framework: Box<dyn Solve>,
+    /// Positions where contacts were looked for last.
+    start: Vec<Vec3>,
     /// Positions before the (small) step, predicted, and after it; velocities and accelerations.
     before: Vec<Vec3>,
     predicted: Vec<Vec3>,
@@ -59,8 +60,6 @@ pub(crate) struct Host {
     accelerations: Vec<Vec3>,
     /// Scratch of the wind: empty without one.
     drags: Vec<DMat3>,
-    /// Whether `after` has been found already.
-    is_guarded: bool,
 }
 
 /// The framework that `solver` asks for.
@@ -82,13 +81,13 @@ impl Host {
         let zeros = || vec![Vec3::ZERO; model.n_particles()];
         Ok(Self {
             framework: framework(model, solver, colors)?,
+            start: Vec::new(),
             before: zeros(),
             predicted: zeros(),
             after: zeros(),
             velocities: zeros(),
             accelerations: zeros(),
             drags: Vec::new(),
-            is_guarded: false,
         })
     }
 }
@@ -147,32 +146,43 @@ impl Engine for Host {
         true
     }
 
-    fn collide(
+    fn detect(
         &mut self,
-        model: &Model,
         collisions: &mut Collisions,
         h: f32,
-        report: &mut StepReport,
+        report: &mut ContactReport,
     ) -> Result<(), SolverError> {
-        let start = Instant::now();
-        collisions.detect(&self.before, &self.predicted, h, &mut report.contacts)?;
-        report.times.detect += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let change = self.framework.set_contacts(&collisions.found(
-            model.masses(),
-            &self.before,
-            &self.predicted,
-            h,
-        ))?;
-        report.contacts.add(&change);
-        report.times.color += start.elapsed().as_secs_f64();
+        self.start.clone_from(&self.before);
+        collisions.detect(&self.before, &self.predicted, h, report)
+    }
+
+    fn take_contacts(
+        &mut self,
+        model: &Model,
+        collisions: &Collisions,
+        small: SmallStep,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let found = collisions.found(model.masses(), &self.before, &self.predicted, small);
+        report.add(&self.framework.set_contacts(&found)?);
         Ok(())
     }
 
-    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError> {
-        self.framework.end(&mut self.after);
-        collisions.limit(&self.before, &mut self.after, report)?;
-        self.is_guarded = true;
+    fn guard(
+        &mut self,
+        collisions: &mut Collisions,
+        forces: &Forces,
+        h: f32,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        collisions.limit(&self.start, &mut self.after, report)?;
+        let scale = (-forces.damping * h).exp() / h;
+        for (i, velocity) in self.velocities.iter_mut().enumerate() {
+            if self.after[i] != self.before[i] {
+                *velocity = (self.after[i] - self.start[i]) * scale;
+            }
+        }
+        self.before.copy_from_slice(&self.after);
         Ok(())
     }
 
@@ -193,9 +203,7 @@ impl Engine for Host {
     }
 
     fn update_velocities(&mut self, forces: &Forces, h: f32) {
-        if !std::mem::take(&mut self.is_guarded) {
-            self.framework.end(&mut self.after);
-        }
+        self.framework.end(&mut self.after);
         let scale = (-forces.damping * h).exp() / h;
         for ((velocity, after), before) in self.velocities.iter_mut().zip(&self.after).zip(&self.before) {
             *velocity = (*after - *before) * scale;

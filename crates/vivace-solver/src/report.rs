@@ -50,7 +50,7 @@ pub struct TearReport {
     pub springs: usize,
 }
 
-/// What collisions did in a step. Counts are sums over its small steps; depths are those of the last.
+/// What collisions did in a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactReport {

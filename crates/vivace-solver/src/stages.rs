@@ -40,6 +40,9 @@ pub(crate) trait Stages {
     /// The linear system of the local step, exactly.
     fn solve_directly(&mut self);
 
+    /// Ends an iteration: projects contacts, where they are apart from the sweeps.
+    fn touch(&mut self) {}
+
     /// Keeps a copy of q to extrapolate from.
     fn remember(&mut self);
 

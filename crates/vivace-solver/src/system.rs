@@ -8,7 +8,7 @@ use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, ModelError, State, Tear, check_time_step};
 
 use crate::collisions::Collisions;
-use crate::contacts::ContactMemory;
+use crate::contacts::{ContactMemory, SmallStep};
 use crate::device::OnDevice;
 use crate::engine::Engine;
 use crate::host::Host;
@@ -77,15 +77,6 @@ struct Before {
     memory: Option<ContactMemory>,
 }
 
-/// Whether `solver` can do with contacts.
-fn check_contacts(solver: &Solver, collisions: Option<&Collisions>) -> Result<(), SolverError> {
-    let is_linear = matches!(solver.relaxation, Relaxation::Direct | Relaxation::ConjugateGradient { .. });
-    if is_linear && collisions.is_some() {
-        return Err(SolverError::NoContacts { relaxation: solver.relaxation.name() });
-    }
-    Ok(())
-}
-
 impl System {
     /// Prepares `model` for `solver`: graph, coloring, rows of Y.
     ///
@@ -152,7 +143,6 @@ impl System {
     /// As [`System::new`]; the old solver stays.
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SolverError> {
         solver.check()?;
-        check_contacts(&solver, self.collisions.as_ref())?;
         let colors = self.colors_of(&self.model);
         self.engine.set_solver(&self.model, &solver, &colors)?;
         self.solver = solver;
@@ -284,9 +274,8 @@ impl System {
     /// Lets the model collide, or no more.
     ///
     /// # Errors
-    /// [`SolverError::NoContacts`]: the relaxation has none; [`SolverError::NoCollisions`]: the device has none.
+    /// [`SolverError::NoCollisions`]: the device has none.
     pub fn set_collisions(&mut self, collisions: Option<Collisions>) -> Result<(), SolverError> {
-        check_contacts(&self.solver, collisions.as_ref())?;
         if collisions.is_some() && !self.engine.has_collisions() {
             return Err(SolverError::NoCollisions);
         }
@@ -437,16 +426,8 @@ impl System {
         self.engine.prepare(small_h)?;
         self.engine.recolor();
         report.times.setup = start.elapsed().as_secs_f64();
-        for substep in 0..n_substeps {
-            let share = share_of(budget, substep, n_substeps);
-            self.pins.clear();
-            self.pins.extend(self.moves.iter().map(|way| way.after(substep, n_substeps)));
-            if let Some(collisions) = &mut self.collisions {
-                collisions.begin(substep, n_substeps);
-            }
-            if let Err(error) = self.substep(forces, small_h, &share, start, &mut report) {
-                return Err(self.undo(error, before));
-            }
+        if let Err(error) = self.substeps(forces, h, n_substeps, budget, start, &mut report) {
+            return Err(self.undo(error, before));
         }
         let finish_start = Instant::now();
         self.moves.clear();
@@ -473,41 +454,84 @@ impl System {
         restored.err().unwrap_or(error)
     }
 
-    /// Algorithm 1.
-    fn substep(
+    /// Algorithm 1 for each of `n` small steps; contacts are looked for before the first, and held to after the last.
+    fn substeps(
         &mut self,
         forces: &Forces,
         h: f32,
+        n: u32,
         budget: &Budget,
         start: Instant,
         report: &mut StepReport,
     ) -> Result<(), SolverError> {
         let predict_start = Instant::now();
+        if self.collisions.is_some() {
+            self.predict(forces, h, [0, 1]);
+        }
+        let detect_start = Instant::now();
+        report.times.predict += (detect_start - predict_start).as_secs_f64();
+        if let Some(collisions) = &mut self.collisions {
+            self.engine.detect(collisions, h, &mut report.contacts)?;
+            report.times.detect += detect_start.elapsed().as_secs_f64();
+        }
+        let small_h = h / n as f32;
+        for k in 0..n {
+            let share = share_of(budget, k, n);
+            let small = SmallStep { k, n, h: small_h };
+            self.substep(forces, small, &share, start, report)?;
+        }
+        if let Some(collisions) = &mut self.collisions {
+            let guard_start = Instant::now();
+            self.engine.guard(collisions, forces, h, &mut report.contacts)?;
+            report.times.guard += guard_start.elapsed().as_secs_f64();
+        }
+        Ok(())
+    }
+
+    /// Line 1, with pinned particles where they are led, after small step k of n.
+    fn predict(&mut self, forces: &Forces, h: f32, [k, n]: [u32; 2]) {
         self.engine.predict(&self.model, forces, h);
+        self.pins.clear();
+        self.pins.extend(self.moves.iter().map(|way| way.after(k, n)));
         if !self.pins.is_empty() {
             self.engine.place(&self.pins);
         }
+    }
+
+    /// Algorithm 1.
+    fn substep(
+        &mut self,
+        forces: &Forces,
+        small: SmallStep,
+        budget: &Budget,
+        start: Instant,
+        report: &mut StepReport,
+    ) -> Result<(), SolverError> {
+        let predict_start = Instant::now();
+        // That of a step which is one small step has been made for its contacts.
+        if self.collisions.is_none() || small.n > 1 {
+            self.predict(forces, small.h, [small.k, small.n]);
+        }
         let estimate_start = Instant::now();
         report.times.predict += (estimate_start - predict_start).as_secs_f64();
-        if self.ease.lacks_rho(self.solver.relaxation, h) {
-            self.engine.begin(h);
-            self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, h);
+        if self.ease.lacks_rho(self.solver.relaxation, small.h) {
+            self.engine.begin(small.h);
+            self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, small.h);
             report.times.setup += estimate_start.elapsed().as_secs_f64();
         }
-        if let Some(collisions) = &mut self.collisions {
-            self.engine.collide(&self.model, collisions, h, report)?;
+        let color_start = Instant::now();
+        if let Some(collisions) = &self.collisions {
+            self.engine.take_contacts(&self.model, collisions, small, &mut report.contacts)?;
+            let seconds = color_start.elapsed().as_secs_f64();
+            // Later small steps have the same contacts, and color none.
+            *(if small.k == 0 { &mut report.times.color } else { &mut report.times.solve }) += seconds;
         }
         let solve_start = Instant::now();
-        self.engine.begin(h);
+        self.engine.begin(small.h);
         solve(self.engine.stages(), &self.solver, budget, start, &mut self.ease, report);
-        let guard_start = Instant::now();
-        report.times.solve += (guard_start - solve_start).as_secs_f64();
-        if let Some(collisions) = &mut self.collisions {
-            self.engine.guard(collisions, &mut report.contacts)?;
-            report.times.guard += guard_start.elapsed().as_secs_f64();
-        }
         let finish_start = Instant::now();
-        self.engine.update_velocities(forces, h);
+        report.times.solve += (finish_start - solve_start).as_secs_f64();
+        self.engine.update_velocities(forces, small.h);
         report.times.finish += finish_start.elapsed().as_secs_f64();
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use super::WITH_RAPIER;
 use super::animation::Animation;
+use super::drape::{self, Drape};
 use super::frames::{self, Kind, Left};
 use super::stability::{self, Fastest};
 use super::sweeps::{Bandwidth, SUBSTEP, SWEEP};
@@ -19,6 +20,7 @@ pub(super) struct Measured<'a> {
     pub(super) bandwidth: &'a [Bandwidth],
     pub(super) frames: &'a [Left],
     pub(super) animations: &'a [Animation],
+    pub(super) drapes: &'a [Drape],
     pub(super) stability: &'a [Fastest],
 }
 
@@ -40,6 +42,7 @@ pub(super) fn judge(measured: &Measured<'_>) -> Table {
     judge.threads();
     judge.frames();
     judge.animations();
+    judge.drapes();
     judge.stability();
     judge.table
 }
@@ -214,6 +217,24 @@ impl Judge<'_> {
         } else {
             let bar = "mean strain below 1.6% at 60 Hz, over PLAIN: none";
             self.push(bar, Asked::AtMost(17.0), Reading::one(f64::INFINITY));
+        }
+    }
+
+    /// Workload C.
+    fn drapes(&mut self) {
+        let drapes = self.measured.drapes;
+        for one in drapes {
+            let asked = if one.setting == drape::RECOMMENDED { Asked::AtMost(15.0) } else { Asked::Nothing };
+            let bar = format!("C, a frame, {} ({:.2}% mean strain) [ms]", one.setting, 100.0 * one.strain);
+            self.push(&bar, asked, one.quantile(0.5));
+        }
+        for one in drapes.iter().filter(|one| one.setting == drape::RECOMMENDED) {
+            self.push("C, 95 of 100 frames take less than [ms]", Asked::Nothing, one.quantile(0.95));
+            self.push(
+                "C, contacts made constraints, recoloring included [ms]",
+                Asked::AtMost(0.5),
+                one.coloring(),
+            );
         }
     }
 

@@ -9,7 +9,7 @@
 
 pub(crate) mod arranged;
 pub(crate) mod coloring;
-mod contacts;
+pub(crate) mod contacts;
 mod halves;
 mod kind;
 
@@ -125,7 +125,7 @@ impl Solve for PositionBased {
     }
 
     fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {
-        self.contacts.set(found, &self.q);
+        self.contacts.set(found, &|p| p, &self.q);
         self.counts.copy_from_slice(&self.own_counts);
         self.contacts.count(&self.q, &mut self.counts);
         Ok(Change::default())
@@ -142,7 +142,7 @@ impl Solve for PositionBased {
         self.contacts.begin();
     }
 
-    fn end(&self, positions: &mut [Vec3]) {
+    fn end(&mut self, positions: &mut [Vec3]) {
         for (position, &q) in positions.iter_mut().zip(&self.q) {
             *position = q.truncate();
         }

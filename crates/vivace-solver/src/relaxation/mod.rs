@@ -79,6 +79,7 @@ impl Schedule {
             }
             Relaxation::Direct => stages.solve_directly(),
         }
+        stages.touch();
         self.k += 1;
     }
 
