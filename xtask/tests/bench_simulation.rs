@@ -16,6 +16,7 @@ fn bars_and_tables_are_written() {
             frames_before: 1,
             budgets: vec![8.0, 25.0],
             animation: 10,
+            drape: 2,
             stability: (3, vec![1, 4], vec![10.0]),
         },
         n_threads: 2,

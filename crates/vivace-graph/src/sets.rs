@@ -50,7 +50,9 @@ mod tests {
     #[test]
     fn what_is_united_has_one_first() {
         let mut sets = DisjointSets::new(7);
-        [[5, 6], [2, 4], [4, 6], [0, 1]].map(|[u, v]| sets.unite(u, v));
+        for [u, v] in [[5, 6], [2, 4], [4, 6], [0, 1]] {
+            sets.unite(u, v);
+        }
         assert_eq!([0, 1, 2, 3, 4, 5, 6].map(|v| sets.first(v)), [0, 0, 2, 3, 2, 2, 2]);
         sets.reset(2);
         assert_eq!([0, 1].map(|v| sets.first(v)), [0, 1]);
