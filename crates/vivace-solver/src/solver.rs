@@ -178,7 +178,8 @@ pub enum Rho {
     Given(f32),
     /// By how much moves shrink from one plain iteration to the next (Wang 2015, who runs the scene once without acceleration), in
     /// up to 128 of them from where the first step of its length begins: they are taken back, and stand under `setup` in its times.
-    /// What is slowest shows last, so this is rather too low than too high. Kept until the solver or the length of a step changes, see
+    /// What is slowest shows last, so this is too low rather than too high: of the tablecloth of 10,000 particles 0.991, where 0.9992 left
+    /// half of its residual after 150 iterations. Begin with it, and raise it by hand, as Wang does. Kept until the solver or the length of a step changes, see
     /// [`Ease::rho`](crate::Ease::rho); 0, plain, while nothing moves or plain iterations diverge.
     Estimated,
 }

@@ -8,9 +8,9 @@ use glam::Vec4;
 use vivace_kernels::constraint::{BATCH, Constraint, Xpbd};
 
 /// Constraints of a color that are worth a stretch of their own.
-const GRAIN: usize = 512;
-/// 2⁵ stretches: threads that have something to do.
-const MOST_DEPTH: u32 = 5;
+const GRAIN: usize = 256;
+/// 2³ threads find something to do; more stretches leave more remainders of fewer than four constraints.
+const MOST_DEPTH: u32 = 3;
 
 /// How often particles are cut.
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +20,7 @@ pub(super) struct Halves {
 }
 
 /// How many stretches a stretch that is cut so often has, itself among them.
-fn n_stretches(depth: u32) -> usize {
+fn n_stretches(depth: u32) -> u32 {
     (2 << depth) - 1
 }
 
@@ -32,12 +32,12 @@ impl Halves {
     }
 
     /// How many stretches there are.
-    pub(super) fn len(self) -> usize {
+    pub(super) fn len(self) -> u32 {
         n_stretches(self.depth)
     }
 
     /// The stretch of a constraint, and its first particle.
-    pub(super) fn of(self, particles: &[u32]) -> (usize, u32) {
+    pub(super) fn of(self, particles: &[u32]) -> (u32, u32) {
         let (mut start, mut end, mut depth, mut number) = (0, self.n_particles, self.depth, 0);
         while depth > 0 {
             let middle = start + (end - start) / 2;
@@ -92,7 +92,7 @@ impl<'a, C: Constraint<N, R>, const N: usize, const R: usize> Stretch<'a, C, N, 
         if depth == 0 {
             return relax(rest, places, xpbd, q, lambdas);
         }
-        let half = n_stretches(depth - 1);
+        let half = n_stretches(depth - 1) as usize;
         let (n_left, n_both) = (ends[half - 1] - first, ends[2 * half - 1] - first);
         {
             let (left_q, right_q) = q.split_at_mut(q.len() / 2);
