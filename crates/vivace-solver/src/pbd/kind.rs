@@ -101,13 +101,8 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> KindOf<C, N, R> {
         let n_of_color = store.len() / (n_colors as usize).max(1);
         let halves = Halves::new(n_particles, n_of_color);
         // Fewer than there are constraints: every color and stretch has some, or the kind has one stretch.
-<<<<<<< ours
-        let n_stretches = halves.len() as u32;
-        let of = |(&color, particles): (&u32, &[u32; N])| color * n_stretches + halves.of(particles).0 as u32;
-=======
-        let n = halves.len();
-        let of = |(&color, particles): (&u32, &[u32; N])| color * n + halves.of(particles).0;
->>>>>>> theirs
+        let n_stretches = halves.len();
+        let of = |(&color, particles): (&u32, &[u32; N])| color * n_stretches + halves.of(particles).0;
         let keys: Vec<u32> = of_kind.iter().zip(&store.particles).map(of).collect();
         let Arranged { colors, particles, rest, place } = Arranged::new(store, &keys, n_colors * n_stretches);
         let ends = std::iter::once(0).chain(colors.iter().map(|range| range.end)).collect();
@@ -152,13 +147,8 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
     }
 
     fn relax_color(&mut self, color: u32, omega: f32, q: &mut [Vec4]) {
-<<<<<<< ours
-        let n = self.halves.len();
-        let Some(ends) = self.ends.get(color as usize * n..=(color as usize + 1) * n) else { return };
-=======
         let n = self.halves.len() as usize;
-        let ends = &self.ends[color as usize * n..][..=n];
->>>>>>> theirs
+        let Some(ends) = self.ends.get(color as usize * n..=(color as usize + 1) * n) else { return };
         let (first, last) = (ends[0], ends[n]);
         let xpbd = Xpbd { squared_h: self.h * self.h, omega };
         let constraints = (&self.rest[first..last], &self.places[first..last]);
@@ -203,8 +193,11 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
 
     fn n_colors(&self) -> u32 {
         let n = self.rest.len();
-        let colors =
-            self.ends.iter().position(|&end| end == n).map_or(0, |end| end.div_ceil(self.halves.len()));
+        let colors = self
+            .ends
+            .iter()
+            .position(|&end| end == n)
+            .map_or(0, |end| end.div_ceil(self.halves.len() as usize));
         u32::try_from(colors).unwrap_or(u32::MAX)
     }
 
