@@ -212,7 +212,7 @@ fn what_cannot_be_made_is_said() {
         let options = options(&folder.path().join("out"), figures, meshes);
         figures::reproduce(&options, &mut Progress::silent()).unwrap_err().to_string()
     };
-    assert!(fail(&["11"], None).contains("there are 2, 3, 4, 5, 6, 7, trade, extremes"));
+    assert!(fail(&["11"], None).contains("there are 1, 2, 3, 4, 5, 6, 7, 8, 9, trade, extremes"));
     assert!(fail(&["2"], Some(folder.path().join("none"))).contains("--meshes"));
     assert!(fail(&["2"], Some(folder.path().to_owned())).contains("bunny"));
 }

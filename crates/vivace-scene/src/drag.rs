@@ -243,7 +243,7 @@ mod tests {
             for key in &path.keys {
                 assert_eq!(path.pose(key.time).at, key.at);
             }
-            let turned = path.pose(3.0).apply(Vec3::ONE, Vec3::new(2.0, 1.0, 1.0)) - path.pose(3.0).at;
+            let turned = path.pose(2.0).apply(Vec3::ONE, Vec3::new(2.0, 1.0, 1.0)) - path.pose(2.0).at;
             assert!(turned.distance(Vec3::new(1.0, 1.0, 0.0)) < 1e-6, "{turned}");
         }
         assert_eq!(path(Between::Linear).pose(1.25).at, 0.25 * Vec3::X);

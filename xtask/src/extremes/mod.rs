@@ -278,7 +278,7 @@ mod tests {
         let case = cases::usual().unwrap();
         for method in with_position_based().iter().filter(|m| is_shipped(m)) {
             let said = refuse_nan(&case, method).unwrap().unwrap();
-            assert!(said.contains("particle 7 "), "{}: {said}", method.name);
+            assert!(said.contains("particle 7:"), "{}: {said}", method.name);
         }
     }
 }
