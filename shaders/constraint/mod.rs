@@ -29,7 +29,7 @@ use wide::f32x4;
 pub use attachment::Attachment;
 pub use bending::Bending;
 pub use contact::Contact;
-pub use multiplier::{Multiplier, Symmetric};
+pub use multiplier::Multiplier;
 pub use spring::Spring;
 pub use tet_strain::TetStrain;
 pub use tet_volume::TetVolume;
@@ -87,8 +87,7 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
     /// `column`, `project`, `apply`, `block` and `deviation`, under these names.
     const WGSL: &'static [&'static str];
 
-    /// What Position Based Dynamics solves for: `f32` for C; `Vec4` for A q − p, of kinds of one row where that passes through 0;
-    /// [`Symmetric`] where a stretch is limited.
+    /// What Position Based Dynamics solves for: `f32` for C; `Vec4` for A q − p, of kinds of one row where that passes through 0.
     type Multiplier: Multiplier<N, R>;
 
     /// Weight w: \[N/m\] where A q is a length \[m\], \[J\] = \[N m\] where A q has no unit.
@@ -195,13 +194,6 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
     #[inline]
     fn residuals(_rest: &[Self; BATCH], _q: &[Lanes3<f32x4>; N]) -> Option<Residuals<N>> {
         None
-    }
-
-    /// R of F = A q = R U, and the symmetric matrix (xx, yy, xy) by which U is too much, so that A q − p = R times it: of kinds of two rows
-    /// whose multiplier is [`Symmetric`].
-    #[inline]
-    fn stretch(&self, _aq: [Vec3; R]) -> ([Vec3; R], Vec3) {
-        ([Vec3::ZERO; R], Vec3::ZERO)
     }
 
     /// One projection of XPBD (Macklin, Müller, Chentanez 2016, Eq. 18): adds Δλ to `lambda`, returns by how much each particle moves

@@ -1,19 +1,15 @@
-//! What Position Based Dynamics solves for: a multiplier for the scalar C, for the vector A q − p, or for a stretch.
+//! What Position Based Dynamics solves for: a multiplier for the scalar C, or for the vector A q − p.
 //!
 //! A scalar is enough where C keeps its direction while a step is solved. Of A q − p, which may pass through 0, |A q − p| turns its
 //! gradient about there, and a scalar multiplier does not follow; nor does it know what was added along earlier directions. With a
 //! vector the moves add up to w Aᵀ λ, so that XPBD comes to rest where the gradient of the objective is 0.
-//!
-//! Nor does a scalar follow where strain comes back within its limit: C and its gradient are 0 there, so that what λ has added is not taken
-//! back. F = R U has a direction R there too, so the multiplier of a limit is a matrix, of what U is too much.
 
 #![allow(clippy::inline_always, reason = "four constraints stay in registers only if it is")]
 
 use std::fmt::Debug;
 use std::ops::{Add, Mul, Sub};
 
-use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use wide::f32x4;
 
 use super::{BATCH, Constraint, Deviations, Residuals, Xpbd};
@@ -160,86 +156,6 @@ impl<const N: usize> Multiplier<N, 1> for Vec4 {
             moves[slot] = (step * (w[slot] * row[slot])).to_vec4s();
         }
         Some(moves)
-    }
-}
-
-/// A symmetric 2 × 2 matrix: entries xx, yy, xy, and 0.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
-#[repr(transparent)]
-pub struct Symmetric(Vec4);
-
-impl Add for Symmetric {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
-    }
-}
-
-impl Sub for Symmetric {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        Self(self.0 - other.0)
-    }
-}
-
-impl Mul<f32> for Symmetric {
-    type Output = Self;
-
-    fn mul(self, scale: f32) -> Self {
-        Self(self.0 * scale)
-    }
-}
-
-/// That of the excess E of U in F = R U: `(Δλ K + K Δλ)/2 + α̃ Δλ = −ω (E + α̃ λ)`, K = Σ w a aᵀ, a the columns of A, since F moves by
-/// R Δλ K, and U by about the symmetric part of Δλ K.
-impl Multiplier<3, 2> for Symmetric {
-    const WGSL: &'static str = include_str!("correct_stretch.wgsl");
-
-    #[inline]
-    fn within(vector: &mut Vec4) -> &mut Self {
-        bytemuck::cast_mut(vector)
-    }
-
-    #[inline]
-    fn correct<C: Constraint<3, 2>>(
-        &mut self,
-        rest: &C,
-        particles: &[u32; 3],
-        xpbd: &Xpbd,
-        q: &[Vec4],
-    ) -> [Vec4; 3] {
-        let q = particles.map(|p| q[p as usize]);
-        let ([u, v], excess) = rest.stretch(rest.apply(&q.map(Vec4::truncate)));
-        let compliance = 1.0 / (rest.weight() * xpbd.squared_h);
-        let mut k = Vec3::ZERO;
-        for (slot, q) in q.iter().enumerate() {
-            let [x, y] = rest.column(slot);
-            k += q.w * Vec3::new(x * x, y * y, x * y);
-        }
-        let right = (-excess - self.0.truncate() * compliance) * xpbd.omega;
-        let (xx, yy, half) = (k.x + compliance, k.y + compliance, 0.5 * k.z);
-        let xy = (right.z - half * (right.x / xx + right.y / yy))
-            / (0.5 * (xx + yy) - half * k.z * (1.0 / xx + 1.0 / yy));
-        let step = Vec3::new((right.x - k.z * xy) / xx, (right.y - k.z * xy) / yy, xy);
-        self.0 += step.extend(0.0);
-        std::array::from_fn(|slot| {
-            let [x, y] = rest.column(slot);
-            let along = u * (step.x * x + step.z * y) + v * (step.z * x + step.y * y);
-            (along * q[slot].w).extend(0.0)
-        })
-    }
-
-    #[inline(always)]
-    fn correct_batch<C: Constraint<3, 2>>(
-        _: &mut [Self; BATCH],
-        _: &[C; BATCH],
-        _: &[[u32; 3]; BATCH],
-        _: &Xpbd,
-        _: &[Vec4],
-    ) -> Option<[[Vec4; BATCH]; 3]> {
-        None
     }
 }
 

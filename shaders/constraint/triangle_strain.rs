@@ -7,7 +7,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, Vec3};
 
-use super::{APPLY, BLOCK, Constraint, DEVIATION, Symmetric};
+use super::{APPLY, BLOCK, Constraint, DEVIATION};
 use crate::mat3::{self, frame, jacobi};
 
 /// The rest data of a triangle.
@@ -49,7 +49,7 @@ impl Constraint<3, 2> for TriangleStrain {
     const NAME: &'static str = "triangle_strain";
     const WGSL: &'static [&'static str] =
         &[mat3::WGSL, APPLY, BLOCK, DEVIATION, include_str!("triangle_strain.wgsl")];
-    type Multiplier = Symmetric;
+    type Multiplier = f32;
 
     #[inline]
     fn weight(&self) -> f32 {
@@ -61,57 +61,25 @@ impl Constraint<3, 2> for TriangleStrain {
         self.columns[slot]
     }
 
+    /// Two columns are made orthogonal by one Jacobi rotation; they are then u_i σ_i.
     #[inline]
-    fn project(&self, given: [Vec3; 2]) -> [Vec3; 2] {
-        let Singular { u, sigma, cosine, sine } = Singular::of(given);
-        let clamped = sigma.map(|sigma| self.clamp(sigma));
-        if clamped == sigma {
+    fn project(&self, [a, b]: [Vec3; 2]) -> [Vec3; 2] {
+        let clamp = |sigma: f32| sigma.min(1.0 + self.limit).max(1.0 - self.limit);
+        let given = [a, b];
+        let (c, s) = jacobi(a, b).unwrap_or((1.0, 0.0));
+        let (a, b) = (c * a - s * b, s * a + c * b);
+        if [a.length(), b.length()].iter().all(|&sigma| clamp(sigma) == sigma) {
             // Within the limit nothing is projected, not even by rounding.
             return given;
         }
-        let (a, b) = (u[0] * clamped[0], u[1] * clamped[1]);
-        [cosine * a + sine * b, cosine * b - sine * a]
-    }
-
-    #[inline]
-    fn stretch(&self, aq: [Vec3; 2]) -> ([Vec3; 2], Vec3) {
-        let Singular { u: [u, v], sigma, cosine, sine } = Singular::of(aq);
-        let [a, b] = sigma.map(|sigma| sigma - self.clamp(sigma));
-        let (cc, ss) = (cosine * cosine, sine * sine);
-        let excess = Vec3::new(a * cc + b * ss, a * ss + b * cc, (b - a) * cosine * sine);
-        ([cosine * u + sine * v, cosine * v - sine * u], excess)
-    }
-}
-
-impl TriangleStrain {
-    /// The stretch nearest to `sigma` within the limit.
-    #[inline]
-    fn clamp(&self, sigma: f32) -> f32 {
-        sigma.min(1.0 + self.limit).max(1.0 - self.limit)
-    }
-}
-
-/// F = U diag(σ) Vᵀ, where V turns by an angle of this cosine and sine: columns (cosine, −sine) and (sine, cosine).
-struct Singular {
-    u: [Vec3; 2],
-    sigma: [f32; 2],
-    cosine: f32,
-    sine: f32,
-}
-
-impl Singular {
-    /// Two columns are made orthogonal by one Jacobi rotation; they are then u_i σ_i.
-    #[inline]
-    fn of([a, b]: [Vec3; 2]) -> Self {
-        let (cosine, sine) = jacobi(a, b).unwrap_or((1.0, 0.0));
-        let (a, b) = (cosine * a - sine * b, sine * a + cosine * b);
-        let u = if a.length_squared() >= b.length_squared() {
-            frame(a, b)
+        let (u, v) = if a.length_squared() >= b.length_squared() {
+            frame(a, b).into()
         } else {
             let [v, u] = frame(b, a);
-            [u, v]
+            (u, v)
         };
-        Self { u, sigma: [a.length(), b.length()], cosine, sine }
+        let (a, b) = (u * clamp(a.length()), v * clamp(b.length()));
+        [c * a + s * b, c * b - s * a]
     }
 }
 

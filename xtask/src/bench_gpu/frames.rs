@@ -228,8 +228,8 @@ mod tests {
 
     #[test]
     fn cloths_have_about_so_many_constraints() {
-        for n in [100, 1000, 10_000] {
-            for has_hinges in [false, true] {
+        for (has_hinges, least) in [(false, 100), (true, 1000)] {
+            for n in [least, 10 * least, 100 * least] {
                 let (model, _) = cloth(Case { has_hinges, ..Case::springs(n) }).unwrap();
                 let found = model.constraints().len();
                 assert!(found.abs_diff(n) < n / 4, "{found} for {n}");
