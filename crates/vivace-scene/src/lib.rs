@@ -32,7 +32,7 @@ pub use collisions::{Collisions, Obstacle, ObstacleError, Solid};
 pub use drag::{Between, Drag, Hold, Key, Path, PathError, Pose};
 pub use error::{BodyError, SceneError};
 pub use material::{Bending, ClothStrain, Material, VolumeStiffness};
-pub use ready::{armadillo, beam, curtain, drape, flag, heap, noodles, stack, tablecloth};
+pub use ready::{armadillo, beam, curtain, drape, flag, heap, noodles, pinch, stack, tablecloth};
 pub use scene::{Built, Held, Scene};
 pub use select::Select;
 pub use shape::{Pattern, Shape, Source};

@@ -4,14 +4,14 @@ use glam::{DQuat, DVec3, EulerRot, Vec3};
 use vivace_model::{Forces, TearLimit, Wind};
 
 use crate::{
-    Bending, Body, Collisions, Material, Obstacle, Pattern, Scene, Select, Shape, Solid, Source,
-    VolumeStiffness,
+    Bending, Between, Body, Collisions, Drag, Hold, Key, Material, Obstacle, Path, Pattern, Scene, Select,
+    Shape, Solid, Source, VolumeStiffness,
 };
 
 impl Scene {
     /// Names that [`Scene::named`] knows.
-    pub const NAMES: [&str; 9] =
-        ["tablecloth", "armadillo", "beam", "curtain", "drape", "flag", "noodles", "heap", "stack"];
+    pub const NAMES: [&str; 10] =
+        ["tablecloth", "armadillo", "beam", "curtain", "drape", "flag", "noodles", "heap", "stack", "pinch"];
 
     /// A ready-made scene, in the size of its file in `assets/scenes/`.
     #[must_use]
@@ -25,6 +25,7 @@ impl Scene {
             "flag" => Some(flag(64)),
             "noodles" => Some(noodles(8)),
             "heap" => Some(heap(78)),
+            "pinch" => Some(pinch(78)),
             "stack" => Some(stack(8)),
             _ => None,
         }
@@ -213,6 +214,28 @@ pub fn heap(n: usize) -> Scene {
         collisions: Some(Collisions { friction: 0.6, ..Collisions::new(0.4 * spacing, obstacles) }),
         ..Scene::default()
     }
+}
+
+/// [`heap`], whose uppermost cloth is pinched in its middle after 0.9 s, lifted and dragged aside.
+#[must_use]
+pub fn pinch(n: usize) -> Scene {
+    let mut scene = heap(n);
+    scene.name = "pinch".to_owned();
+    let spacing = 0.9 / (n as f32 - 1.0);
+    let middle = 0.5 * spacing * Vec3::new(n as f32 - 1.0, 0.0, n as f32);
+    let key = |time: f64, at: Vec3| Key { time, at, rotate: Vec3::ZERO };
+    let keys =
+        vec![key(0.9, Vec3::ZERO), key(1.5, Vec3::new(0.05, 0.4, 0.05)), key(2.3, Vec3::new(0.6, 0.45, 0.2))];
+    if let Some(cloth) = scene.bodies.last_mut() {
+        let (min, max) = (middle - 1.1 * spacing, middle + 1.1 * spacing);
+        cloth.drags = vec![Drag {
+            select: Select::Box { min, max },
+            hold: Hold::Spring(200.0),
+            path: Path { keys, between: Between::Smooth },
+            release: None,
+        }];
+    }
+    scene
 }
 
 /// Six boxes of 0.24 m and `n`³ cubes, three, two and one upon the floor and upon one another, and a ball that falls on top:

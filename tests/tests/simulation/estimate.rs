@@ -91,7 +91,7 @@ fn it_is_as_if_it_had_been_given() {
         };
         let Some(mut system) = with(Rho::Estimated) else { continue };
         let (rho, estimated) = step(&mut system, &scene, STEP, 20);
-        let rho = rho.unwrap();
+        let rho = rho.unwrap_or_else(|| panic!("{solver:?}"));
         assert!(rho > 0.1 && rho < 1.0, "{solver:?}: {rho}");
         let mut given = with(Rho::Given(rho)).unwrap();
         assert_eq!(estimated, step(&mut given, &scene, STEP, 20).1, "{solver:?}");

@@ -1,7 +1,7 @@
 //! The scenes that collide, scaled down, for long.
 
 use glam::Vec3;
-use vivace_scene::{Scene, heap, noodles, stack};
+use vivace_scene::{Scene, heap, noodles, pinch, stack};
 use vivace_sim::{Budget, Framework, Simulation, Solver};
 use vivace_tests::crossings::crossings;
 
@@ -37,6 +37,27 @@ fn frames_of_the_heap_stay_in_the_room() {
 #[ignore = "minutes: cargo test --release -p vivace-tests --test simulation -- --ignored ten_thousand"]
 fn ten_thousand_frames_of_the_heap_stay_in_the_room() {
     stays_in_the_room(10_000);
+}
+
+/// What is pinched is lifted, and what lies below stays; nothing crosses.
+#[test]
+fn a_pinched_cloth_is_lifted_off_the_heap() {
+    let solver = Solver { framework: Framework::PositionBased, substeps: 4, ..Solver::default() };
+    let mut simulation = Simulation::new(&pinch(5), solver).unwrap();
+    // In the middle of the uppermost cloth.
+    let pinched = simulation.particles_of(8).unwrap().start + 12;
+    let height = |simulation: &Simulation| simulation.positions()[pinched].y;
+    let mut before = 0.0;
+    for frame in 0..45 {
+        if frame == 27 {
+            before = height(&simulation);
+        }
+        simulation.step(Budget::iterations(8)).unwrap();
+        let found = crossings(simulation.positions(), simulation.model().surface());
+        assert!(found.is_empty(), "frame {frame}: {found:?}");
+    }
+    let after = height(&simulation);
+    assert!(after > before + 0.25, "{before} {after}");
 }
 
 /// At the end of each frame no edge crosses a triangle, in both frameworks and in all scenes that collide.

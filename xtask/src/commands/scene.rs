@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vivace_scene::{Scene, armadillo, drape, heap, noodles, tablecloth};
+use vivace_scene::{Scene, armadillo, drape, heap, noodles, pinch, tablecloth};
 
 use super::CommandError;
 use crate::figures::simulation::scenes::side;
@@ -16,11 +16,12 @@ pub(super) fn load(path: &Path, n_vertices: Option<usize>) -> Result<(Scene, Pat
         ("armadillo", Some(n)) => Some(armadillo(n)),
         ("drape", Some(n)) => Some(drape(side(n))),
         ("heap", Some(n)) => Some(heap(side(n / 9))),
+        ("pinch", Some(n)) => Some(pinch(side(n / 9))),
         // Forty noodles, about 13 times as long as wide.
         ("noodles", Some(n)) => Some(noodles(side(n / 530))),
         _ => {
             return Err(CommandError::Usage(
-                "--vertices is for tablecloth, armadillo, drape, heap and noodles; other scenes say their size themselves"
+                "--vertices is for tablecloth, armadillo, drape, heap, pinch and noodles; other scenes say their size themselves"
                     .to_owned(),
             ));
         }

@@ -60,7 +60,7 @@ impl Sizes {
 pub enum Scenario {
     /// Noodles that fall on the floor.
     Noodles,
-    /// Cloths that fall on an armchair.
+    /// Cloths that fall on an armchair; one is pinched and dragged.
     Heap,
     /// The armadillo that hangs by one hand, without collisions.
     Armadillo,

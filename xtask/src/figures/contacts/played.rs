@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use glam::{DVec3, Vec3};
 use vivace_mesh::sdf::{Blend, Cuboid, SignedDistance, Sphere};
-use vivace_scene::{Scene, SceneError, Solid, armadillo, heap, noodles};
+use vivace_scene::{Scene, SceneError, Solid, armadillo, noodles, pinch};
 use vivace_sim::collision::Pose;
 use vivace_sim::{Budget, Framework, Simulation, Solver, StepReport};
 use vivace_tests::crossings::crossings;
@@ -33,9 +33,9 @@ impl Script {
         Self::colliding(noodles(n), Vec3::new(-0.5, -0.55, -1.0))
     }
 
-    /// The heap of cloths of `n` × (n + 1) vertices.
+    /// The heap of cloths of `n` × (n + 1) vertices, of which one is pinched and dragged.
     pub(super) fn heap(n: usize) -> Self {
-        Self::colliding(heap(n), Vec3::new(-0.55, -0.4, -1.0))
+        Self::colliding(pinch(n), Vec3::new(-0.55, -0.4, -1.0))
     }
 
     /// The armadillo of about `n` vertices.
