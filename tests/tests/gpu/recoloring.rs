@@ -20,10 +20,10 @@ fn frames<B: Backend + Send + 'static>(
     iterations: u32,
 ) -> State {
     let (model, mut state) = scene.clone();
-    let mut system = System::on(model, solver, backend).unwrap();
-    system.set_recoloring(recoloring).unwrap();
+    let mut system = System::on(model, solver, backend).expect("a device");
+    system.set_recoloring(recoloring).expect("a device");
     for _ in 0..4 {
-        system.step(&mut state, &Forces::default(), STEP, Budget::iterations(iterations)).unwrap();
+        system.step(&mut state, &Forces::default(), STEP, Budget::iterations(iterations)).expect("a device");
     }
     state
 }

@@ -195,7 +195,8 @@ pub(super) fn drape(scene: &Scene, model: &Model, state: &State) -> Drape {
         .particle_radius(0.5 * thickness)
         .self_contacts(true);
     let mut cloth = Cloth::in_world(builder, parameters);
-    let floor = ColliderBuilder::halfspace(Vector::Y).friction(friction);
+    let floor =
+        ColliderBuilder::cuboid(10.0, 1.0, 10.0).translation(Vector::new(0.0, -1.0, 0.0)).friction(friction);
     let sphere = ColliderBuilder::ball(0.3).translation(Vector::Y * 0.3).friction(friction);
     cloth.world.insert_collider(floor, None);
     cloth.world.insert_collider(sphere, None);

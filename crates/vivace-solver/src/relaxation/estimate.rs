@@ -26,7 +26,9 @@ pub(crate) fn spectral_radius(stages: &mut dyn Stages, relaxation: Relaxation) -
         n += 1;
     }
     stages.restore();
-    let (last, quarter) = (n - 1, (n - 1).div_ceil(4));
+    // From a sweep to another that comes as long after its local step.
+    let (last, period) = (n - 1, stages.n_sweeps() as usize);
+    let quarter = last.div_ceil(4).next_multiple_of(period).min(last);
     let rho = (moves[last] / moves[last - quarter]).powf(1.0 / quarter.max(1) as f32);
     // 0/0 where nothing moves.
     (rho < 1.0).then_some(rho)
