@@ -61,6 +61,10 @@ impl Kernel for Decide {
 impl Map for Decide {
     type Output = Watch;
 
+    #[expect(
+        clippy::neg_cmp_op_on_partial_ord,
+        reason = "a bound that is no number refuses nobody, as in WGSL"
+    )]
     fn map(_: u32, uniform: &DecideUniform, (sums,): HostViews<'_, Self>, watch: &mut Watch) {
         let objective: f32 = sums[..uniform.n_sums as usize].iter().sum();
         watch.is_back = 0;

@@ -63,6 +63,8 @@ impl Motion {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::cast_possible_truncation, reason = "rounded")]
+
     use glam::Vec3;
     use proptest::prelude::*;
 
@@ -103,7 +105,7 @@ mod tests {
                 }
                 None => prop_assert!(sampled.is_none(), "{sampled:?}"),
             }
-            let [from, to] = [start, end].map(|x| x.map(|v| v.as_vec3()));
+            let [from, to] = [start, end].map(|x| x.map(glam::DVec3::as_vec3));
             prop_assert!(sampled.is_none() || !pair.is_clear([0, 1, 2, 3], &from, &to, 0.9 * reach as f32));
         }
 

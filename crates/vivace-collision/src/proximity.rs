@@ -160,13 +160,15 @@ fn edge_edge(x: &[DVec3; 4]) -> Nearest {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::cast_possible_truncation, reason = "rounded")]
+
     use super::*;
 
     fn check(pair: Pair, x: [[f64; 3]; 4], distance: f64) {
         let x = x.map(DVec3::from);
         let nearest = pair.nearest(&x);
         assert!((nearest.distance() - distance).abs() < 1e-12, "{pair:?} {x:?}: {nearest:?}");
-        let still = x.map(|x| x.as_vec3());
+        let still = x.map(DVec3::as_vec3);
         assert!(!pair.is_clear([0, 1, 2, 3], &still, &still, distance as f32), "{pair:?} {x:?}");
         let sum: f64 = nearest.weights.iter().sum();
         assert!(sum.abs() < 1e-12);

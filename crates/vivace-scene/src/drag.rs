@@ -168,7 +168,7 @@ impl Drag {
             }
         }
         match (self.release, self.hold) {
-            (Some(release), _) if !(release > self.path.start()) => {
+            (Some(release), _) if release.is_nan() || release <= self.path.start() => {
                 Err(PathError::Release { release, start: self.path.start() })
             }
             (_, Hold::Spring(stiffness)) if !(stiffness > 0.0 && stiffness.is_finite()) => {

@@ -72,7 +72,8 @@ fn a_snapshot_resumes_bit_for_bit() {
 }
 
 fn new_there(n: usize) -> Simulation {
-    Simulation::new_on(&tablecloth(n), Solver::default(), Backend::gpu().unwrap()).unwrap()
+    Simulation::new_on(&tablecloth(n), Solver::default(), Backend::gpu().expect("a device"))
+        .expect("a simulation")
 }
 
 /// Frames that the host does not see are those that it would have seen; what it reads aside is of the frame that it asked in.

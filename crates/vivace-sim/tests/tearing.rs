@@ -17,7 +17,9 @@ fn solvers() -> [Solver; 3] {
 /// A small flag in a storm.
 fn storm() -> Scene {
     let mut scene = flag(12);
-    scene.forces.wind.as_mut().unwrap().velocity *= 3.0;
+    if let Some(wind) = &mut scene.forces.wind {
+        wind.velocity *= 3.0;
+    }
     let Material::Cloth { tear: Some(tear), .. } = &mut scene.bodies[0].material else { unreachable!() };
     tear.strain = 0.09;
     scene

@@ -123,9 +123,9 @@ fn what_is_let_go_is_free() {
             }
             (0..2).for_each(|_| step(&mut system, &mut state, 6));
             if is_pinned {
-                unpin(&mut system)
+                unpin(&mut system);
             } else {
-                system.replace_attachments(0, &[]).unwrap()
+                system.replace_attachments(0, &[]).unwrap();
             }
             assert_eq!(*system.model(), model);
             let mut other = System::new(model, solver).unwrap();

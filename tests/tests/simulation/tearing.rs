@@ -385,7 +385,10 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     ];
     for bad in bad {
         let good = split(4, 9, &of_middle[..1]);
-        assert!(matches!(model.tear(&[bad.clone()]), Err(ModelError::Tear { tear: 0, .. })), "{bad:?}");
+        assert!(
+            matches!(model.tear(std::slice::from_ref(&bad)), Err(ModelError::Tear { tear: 0, .. })),
+            "{bad:?}"
+        );
         assert_eq!(model, before);
         let after = match bad.clone() {
             Tear::Split { particle, copy, triangles } => split(particle, copy + 1, &triangles),
