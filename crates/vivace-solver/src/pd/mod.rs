@@ -34,7 +34,7 @@ use contacts::Contacts;
 use islands::Islands;
 use layout::Layout;
 use pass::{Pass, Passes};
-use points::{Around, LANES, Lanes3, Points, PointsMut, Read};
+use points::{LANES, Lanes3, Points, PointsMut};
 use projected::Projected;
 use rows::Rows;
 use slices::Slices;
@@ -206,34 +206,24 @@ impl ProjectiveDynamics {
     /// By how much the vertices of a slice move from `q`, over-relaxed by `omega` \[m\].
     #[inline]
     fn step(&self, slice: usize, q: &Points, omega: f32, turn: Turn) -> Lanes3 {
-        let (vertices, at) = (self.vertices(), q.lanes(self.slices.slices[slice].0));
-        let residual = if self.is_fused() {
-            vertices.fused(slice, at, q)
-        } else {
-            vertices.linear(slice, at, q, &self.pulls)
-        };
+        let vertices = self.vertices();
+        let residual = self.forces(slice, q);
         let step = match self.vertex {
-            VertexSolve::Block if self.is_fused() => vertices.by_blocks(slice, at, q, residual),
+            VertexSolve::Block if self.is_fused() => vertices.by_blocks(slice, q, residual),
             _ => vertices.by_diagonal(slice, residual),
         };
         let step = step * f32x8::splat(omega);
         if self.contacts.is_none() { step } else { self.with_contacts(slice, q, residual, step, omega, turn) }
     }
 
-    /// The same of vertices that are `at` where they are written meanwhile: without contacts, and without passes in the sweep.
+    /// `b − Y q` of the vertices of a slice without contacts \[N\].
     #[inline]
-    fn step_in_place(&self, slice: usize, at: Lanes3, q: &Around<'_>, omega: f32) -> Lanes3 {
-        let vertices = self.vertices();
-        let residual = if self.is_fused() {
-            vertices.fused_rows(slice, at, q)
+    fn forces(&self, slice: usize, q: &Points) -> Lanes3 {
+        if self.is_fused() {
+            self.vertices().fused(slice, q)
         } else {
-            vertices.linear(slice, at, q, &self.pulls)
-        };
-        let step = match self.vertex {
-            VertexSolve::Block if self.is_fused() => vertices.by_row_blocks(slice, at, q, residual),
-            _ => vertices.by_diagonal(slice, residual),
-        };
-        step * f32x8::splat(omega)
+            self.vertices().linear(slice, q, &self.pulls)
+        }
     }
 
     /// `f` of every slice of a color, into `out`.
@@ -262,10 +252,7 @@ impl ProjectiveDynamics {
     /// `b − Y q` of all free vertices, into `residual` \[N\].
     fn residuals(&mut self) {
         let mut residuals = std::mem::take(&mut self.steps);
-        self.of_all(&mut residuals, |slice| {
-            let at = self.q.lanes(self.slices.slices[slice].0);
-            self.vertices().linear(slice, at, &self.q, &self.pulls)
-        });
+        self.of_all(&mut residuals, |slice| self.vertices().linear(slice, &self.q, &self.pulls));
         for (slot, residual) in self.residual.iter_mut().enumerate() {
             *residual = residuals.get(slot).into();
         }
@@ -410,30 +397,26 @@ impl Stages for ProjectiveDynamics {
             self.relax_moved(color, omega);
             return;
         }
-        let range = self.layout.classes[color].clone();
-        if self.contacts.is_none() && (!self.is_fused() || self.passes.is_empty()) {
-            // No vertex of a color sees another: each is written at once.
-            let slices = self.slices.colors[color].clone();
+        if rayon::current_num_threads() == 1 {
+            // No vertex of a color sees another: each may be written at once.
             let mut q = std::mem::take(&mut self.q);
-            let (class, others) = q.around(range);
-            in_pieces(0, class, GRAIN, &|first, mut class: PointsMut<'_>| {
-                for at in (0..class.len()).step_by(LANES) {
-                    let (slice, before) = (slices.start + (first + at) / LANES, class.lanes(at));
-                    let n = (class.len() - at).min(LANES);
-                    class.store(at, n, before + self.step_in_place(slice, before, &others, omega));
-                }
-            });
+            for slice in self.slices.colors[color].clone() {
+                let (first, n) = self.slices.slices[slice];
+                let step = self.step(slice, &q, omega, Turn::Class);
+                q.store(first, n, q.lanes(first) + step);
+            }
             self.q = q;
-            return;
+        } else {
+            let mut relaxed = std::mem::take(&mut self.steps);
+            self.of_color(color, &mut relaxed, |slice| {
+                self.q.lanes(self.slices.slices[slice].0) + self.step(slice, &self.q, omega, Turn::Class)
+            });
+            let range = self.layout.classes[color].clone();
+            in_pieces(range.start, self.q.range_mut(range), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
+                q.copy_from(first, &relaxed);
+            });
+            self.steps = relaxed;
         }
-        let mut relaxed = std::mem::take(&mut self.steps);
-        self.of_color(color, &mut relaxed, |slice| {
-            self.q.lanes(self.slices.slices[slice].0) + self.step(slice, &self.q, omega, Turn::Class)
-        });
-        in_pieces(range.start, self.q.range_mut(range), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
-            q.copy_from(first, &relaxed);
-        });
-        self.steps = relaxed;
         self.relax_moved(color, omega);
     }
 
@@ -548,8 +531,8 @@ impl Stages for ProjectiveDynamics {
     fn residual(&mut self) -> f64 {
         let vertices = self.vertices();
         let squared = |slice: usize| {
+            let mut residual = vertices.fused(slice, &self.q);
             let (first, n) = self.slices.slices[slice];
-            let mut residual = vertices.fused(slice, self.q.lanes(first), &self.q);
             if let Some(all) = &self.contacts {
                 let mut forces = residual.to_array();
                 let touched = (0..n).filter(|lane| all.0.mask(slice) >> lane & 1 == 1);

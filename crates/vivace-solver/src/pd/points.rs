@@ -79,14 +79,29 @@ impl Points {
         [self.data[i], self.data[n + i], self.data[2 * n + i]] = value.to_array();
     }
 
-    /// Some of the vectors to write, and all others to read meanwhile.
-    pub(crate) fn around(&mut self, range: Range<usize>) -> (PointsMut<'_>, Around<'_>) {
-        let n = self.stride;
-        let (x, yz) = self.data.split_at_mut(n);
-        let (y, z) = yz.split_at_mut(n);
-        let ((bx, x, ax), (by, y, ay), (bz, z, az)) =
-            (cut_out(x, &range), cut_out(y, &range), cut_out(z, &range));
-        (PointsMut { x, y, z }, Around { written: range, before: [bx, by, bz], after: [ax, ay, az] })
+    /// Vectors `at..at + 8`.
+    #[inline(always)]
+    pub(crate) fn lanes(&self, at: usize) -> Lanes3 {
+        let [x, y, z] = self.axes();
+        Lanes3 { x: load(x, at), y: load(y, at), z: load(z, at) }
+    }
+
+    /// Vectors anywhere.
+    #[inline(always)]
+    pub(crate) fn gather(&self, at: &[u32; LANES]) -> Lanes3 {
+        let [x, y, z] = self.axes();
+        let &[a, b, c, d, e, f, g, h] = at;
+        let of = |axis: &[f32]| {
+            let at = |i: u32| axis[i as usize];
+            f32x8::new([at(a), at(b), at(c), at(d), at(e), at(f), at(g), at(h)])
+        };
+        Lanes3 { x: of(x), y: of(y), z: of(z) }
+    }
+
+    /// Sets vectors `at..at + n`, `n` at most 8.
+    #[inline(always)]
+    pub(crate) fn store(&mut self, at: usize, n: usize, values: Lanes3) {
+        self.range_mut(at..at + n).store(0, n, values);
     }
 
     /// Some of the vectors.
@@ -96,93 +111,6 @@ impl Points {
         let (x, yz) = self.data.split_at_mut(n);
         let (y, z) = yz.split_at_mut(n);
         PointsMut { x: &mut x[range.clone()], y: &mut y[range.clone()], z: &mut z[range] }
-    }
-}
-
-/// What comes before `range`, it, and what comes after it.
-fn cut_out<'a>(axis: &'a mut [f32], range: &Range<usize>) -> (&'a [f32], &'a mut [f32], &'a [f32]) {
-    let (before, rest) = axis.split_at_mut(range.start);
-    let (own, after) = rest.split_at_mut(range.len());
-    (before, own, after)
-}
-
-/// Where vectors are read.
-pub(crate) trait Read: Sync {
-    /// Vectors `at..at + 8`.
-    fn lanes(&self, at: usize) -> Lanes3;
-
-    /// Vectors anywhere.
-    fn gather(&self, at: &[u32; LANES]) -> Lanes3;
-}
-
-/// Eight, one by one.
-#[inline(always)]
-fn each(&[a, b, c, d, e, f, g, h]: &[u32; LANES], of: impl Fn(usize) -> f32) -> f32x8 {
-    // Written out: `array::map` may become a call.
-    let at = |i: u32| of(i as usize);
-    f32x8::new([at(a), at(b), at(c), at(d), at(e), at(f), at(g), at(h)])
-}
-
-impl Read for Points {
-    #[inline(always)]
-    fn lanes(&self, at: usize) -> Lanes3 {
-        let [x, y, z] = self.axes();
-        Lanes3 { x: load(x, at), y: load(y, at), z: load(z, at) }
-    }
-
-    #[inline(always)]
-    fn gather(&self, at: &[u32; LANES]) -> Lanes3 {
-        let [x, y, z] = self.axes();
-        Lanes3 { x: each(at, |i| x[i]), y: each(at, |i| y[i]), z: each(at, |i| z[i]) }
-    }
-}
-
-/// All vectors but a stretch of them, which someone writes meanwhile: read as 0.
-#[derive(Debug)]
-pub(crate) struct Around<'a> {
-    written: Range<usize>,
-    before: [&'a [f32]; 3],
-    after: [&'a [f32]; 3],
-}
-
-impl Around<'_> {
-    #[inline(always)]
-    fn get(&self, axis: usize, i: usize) -> f32 {
-        if i < self.written.start {
-            self.before[axis][i]
-        } else if i >= self.written.end {
-            self.after[axis][i - self.written.end]
-        } else {
-            0.0
-        }
-    }
-
-    /// A run into what is written, or over it.
-    #[cold]
-    #[inline(never)]
-    fn across(&self, at: usize) -> Lanes3 {
-        let of = |axis: usize| f32x8::new(std::array::from_fn(|lane| self.get(axis, at + lane)));
-        Lanes3 { x: of(0), y: of(1), z: of(2) }
-    }
-}
-
-impl Read for Around<'_> {
-    #[inline(always)]
-    fn lanes(&self, at: usize) -> Lanes3 {
-        let ([x, y, z], at) = if at + LANES <= self.written.start {
-            (self.before, at)
-        } else if at >= self.written.end {
-            (self.after, at - self.written.end)
-        } else {
-            return self.across(at);
-        };
-        Lanes3 { x: load(x, at), y: load(y, at), z: load(z, at) }
-    }
-
-    #[inline(always)]
-    fn gather(&self, at: &[u32; LANES]) -> Lanes3 {
-        let of = |axis: usize| each(at, |i| self.get(axis, i));
-        Lanes3 { x: of(0), y: of(1), z: of(2) }
     }
 }
 
@@ -206,12 +134,6 @@ impl PointsMut<'_> {
                 _ => axis[at..at + n].copy_from_slice(&values[..n]),
             }
         }
-    }
-
-    /// Vectors `at..at + 8`; 0 where there are not as many.
-    #[inline(always)]
-    pub(crate) fn lanes(&self, at: usize) -> Lanes3 {
-        Lanes3 { x: load(self.x, at), y: load(self.y, at), z: load(self.z, at) }
     }
 
     /// Takes the `values` from `first` on.

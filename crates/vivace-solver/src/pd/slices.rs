@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use wide::f32x8;
 
-use super::points::{LANES, Lanes3, Read};
+use super::points::{LANES, Lanes3, Points};
 use super::rows::Rows;
 
 /// All rows, eight by eight.
@@ -167,13 +167,7 @@ impl Slots {
     /// Shows to `f` each slot of `slice`, and the differences between its columns in `q` and `at`.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "sums stay in registers only if it is")]
-    pub(crate) fn for_each<Q: Read>(
-        &self,
-        slice: usize,
-        q: &Q,
-        at: Lanes3,
-        mut f: impl FnMut(usize, Lanes3),
-    ) {
+    pub(crate) fn for_each(&self, slice: usize, q: &Points, at: Lanes3, mut f: impl FnMut(usize, Lanes3)) {
         let (start, end) = (self.offsets[slice] as usize, self.offsets[slice + 1] as usize);
         let middle = self.run_ends[slice] as usize;
         for slot in start..middle {

@@ -6,7 +6,7 @@ use glam::{Mat3, Vec3, Vec3A};
 use wide::f32x8;
 
 use super::pass::Pass;
-use super::points::{LANES, Lanes3, Points, Read, load};
+use super::points::{LANES, Lanes3, Points, load};
 use super::slices::Slices;
 
 /// What a sweep reads beside q.
@@ -39,17 +39,12 @@ impl Vertices<'_> {
         (self.anchors.lanes(first) - at) * load(self.anchor_weights, first)
     }
 
-    /// `(b − Y q)` of the vertices of `slice` \[N\] with everything projected from q, where they are `at` q.
+    /// `(b − Y q)` of the vertices of `slice` \[N\] with everything projected from q.
     #[inline]
-    pub(crate) fn fused(&self, slice: usize, at: Lanes3, q: &Points) -> Lanes3 {
-        let sum = self.fused_rows(slice, at, q);
-        if self.passes.is_empty() { sum } else { sum + self.pass_pulls(slice, q) }
-    }
-
-    /// As [`Vertices::fused`], without passes.
-    #[inline]
-    pub(crate) fn fused_rows(&self, slice: usize, at: Lanes3, q: &impl Read) -> Lanes3 {
-        let mut sum = self.inertia(self.slices.slices[slice].0, at);
+    pub(crate) fn fused(&self, slice: usize, q: &Points) -> Lanes3 {
+        let (first, n) = self.slices.slices[slice];
+        let at = q.lanes(first);
+        let mut sum = self.inertia(first, at);
         let springs = &self.slices.springs;
         springs.slots.for_each(slice, q, at, |slot, d| {
             let length = d.squared_length().sqrt();
@@ -57,13 +52,14 @@ impl Vertices<'_> {
         });
         let others = &self.slices.others;
         others.for_each(slice, q, at, |slot, d| sum = sum + d * others.weights[slot]);
-        sum
+        if self.passes.is_empty() { sum } else { sum + self.pass_pulls(first, n, q) }
     }
 
     /// `(b − Y q)` of the vertices of `slice` \[N\] with all projections in `pulls`.
     #[inline]
-    pub(crate) fn linear(&self, slice: usize, at: Lanes3, q: &impl Read, pulls: &Points) -> Lanes3 {
+    pub(crate) fn linear(&self, slice: usize, q: &Points, pulls: &Points) -> Lanes3 {
         let (first, _) = self.slices.slices[slice];
+        let at = q.lanes(first);
         let mut sum = self.inertia(first, at) + pulls.lanes(first);
         for slots in [&self.slices.springs.slots, &self.slices.others] {
             slots.for_each(slice, q, at, |slot, d| sum = sum + d * slots.weights[slot]);
@@ -84,9 +80,8 @@ impl Vertices<'_> {
         sum
     }
 
-    /// What the passes ask of the vertices of `slice` \[N\].
-    fn pass_pulls(&self, slice: usize, q: &Points) -> Lanes3 {
-        let (first, n) = self.slices.slices[slice];
+    /// What the passes ask of `n` vertices from `first` on \[N\].
+    fn pass_pulls(&self, first: usize, n: usize, q: &Points) -> Lanes3 {
         let mut pulls = [Vec3A::ZERO; LANES];
         self.passes.iter().for_each(|pass| pass.pull_fused(first..first + n, q, &mut pulls[..n]));
         Lanes3::from_array(pulls)
@@ -98,21 +93,10 @@ impl Vertices<'_> {
         residual * load(self.inverse_diagonal, self.slices.slices[slice].0)
     }
 
-    /// By how much the vertices of `slice`, which are `at` q, move \[m\], each by its own block of the Hessian; by the diagonal where `f32`
-    /// cannot invert it.
+    /// By how much the vertices of `slice` move \[m\], each by its own block of the Hessian; by the diagonal where `f32` cannot invert it.
     #[inline]
-    pub(crate) fn by_blocks(&self, slice: usize, at: Lanes3, q: &Points, residual: Lanes3) -> Lanes3 {
-        self.solve(slice, self.blocks(slice, at, q), residual)
-    }
-
-    /// As [`Vertices::by_blocks`], without passes.
-    #[inline]
-    pub(crate) fn by_row_blocks(&self, slice: usize, at: Lanes3, q: &impl Read, residual: Lanes3) -> Lanes3 {
-        self.solve(slice, self.row_blocks(slice, at, q), residual)
-    }
-
-    #[inline]
-    fn solve(&self, slice: usize, Blocks { diagonal, off }: Blocks, residual: Lanes3) -> Lanes3 {
+    pub(crate) fn by_blocks(&self, slice: usize, q: &Points, residual: Lanes3) -> Lanes3 {
+        let Blocks { diagonal, off } = self.blocks(slice, q);
         let (x, y, z) = (
             Lanes3 { x: diagonal.x, y: off.z, z: off.y },
             Lanes3 { x: off.z, y: diagonal.y, z: off.x },
@@ -134,25 +118,9 @@ impl Vertices<'_> {
     /// Each vertex's own block of the Hessian, of springs exactly (positive semi-definite: k (u uᵀ + across (I − u uᵀ)) in place of
     /// k I), of passes as they say, of all else as in Y \[N/m\].
     #[inline]
-    fn blocks(&self, slice: usize, at: Lanes3, q: &Points) -> Blocks {
+    fn blocks(&self, slice: usize, q: &Points) -> Blocks {
         let (first, n) = self.slices.slices[slice];
-        let mut blocks = self.row_blocks(slice, at, q);
-        if !self.passes.is_empty() {
-            blocks.add(std::array::from_fn(|lane| {
-                let mut block = Mat3::ZERO;
-                if lane < n {
-                    self.passes.iter().for_each(|pass| pass.add_to_block(first + lane, q, &mut block));
-                }
-                block
-            }));
-        }
-        blocks
-    }
-
-    /// As [`Vertices::blocks`], without passes.
-    #[inline]
-    fn row_blocks(&self, slice: usize, at: Lanes3, q: &impl Read) -> Blocks {
-        let (first, _) = self.slices.slices[slice];
+        let at = q.lanes(first);
         let mut isotropic = load(self.diagonal, first) + load(self.anchor_weights, first);
         let (mut diagonal, mut off) = (Lanes3::ZERO, Lanes3::ZERO);
         let springs = &self.slices.springs;
@@ -165,13 +133,23 @@ impl Vertices<'_> {
             diagonal = diagonal + Lanes3 { x: scaled.x * d.x, y: scaled.y * d.y, z: scaled.z * d.z };
             off = off + Lanes3 { x: scaled.y * d.z, y: scaled.z * d.x, z: scaled.x * d.y };
         });
-        Blocks { diagonal: diagonal + Lanes3::splat(isotropic), off }
+        let isotropic = Lanes3::splat(isotropic);
+        let mut blocks = Blocks { diagonal: diagonal + isotropic, off };
+        if !self.passes.is_empty() {
+            blocks.add(std::array::from_fn(|lane| {
+                let mut block = Mat3::ZERO;
+                if lane < n {
+                    self.passes.iter().for_each(|pass| pass.add_to_block(first + lane, q, &mut block));
+                }
+                block
+            }));
+        }
+        blocks
     }
 
     /// [`Vertices::by_blocks`] solves with this, for one of the vertices \[N/m\].
     pub(crate) fn block(&self, slice: usize, lane: usize, q: &Points) -> Mat3 {
-        let at = q.lanes(self.slices.slices[slice].0);
-        let Blocks { diagonal, off } = self.blocks(slice, at, q);
+        let Blocks { diagonal, off } = self.blocks(slice, q);
         let (d, off) = (diagonal.to_array()[lane], off.to_array()[lane]);
         Mat3::from_cols(
             Vec3::new(d.x, off.z, off.y),
@@ -296,10 +274,9 @@ mod tests {
             let mut objective = [0.0; 2];
             let mut n_seen = 0;
             for (slice, &(first, n)) in slices.slices.iter().enumerate() {
-                let at = q.lanes(first);
-                let fused = vertices.fused(slice, at, &q);
-                let step = vertices.by_blocks(slice, at, &q, fused).to_array();
-                let linear = vertices.linear(slice, at, &q, &pulls) + vertices.spring_pulls(slice, &q);
+                let fused = vertices.fused(slice, &q);
+                let step = vertices.by_blocks(slice, &q, fused).to_array();
+                let linear = vertices.linear(slice, &q, &pulls) + vertices.spring_pulls(slice, &q);
                 objective[0] += vertices.objective(slice, &q);
                 for (lane, step) in step.iter().enumerate().take(n) {
                     let i = first + lane;
