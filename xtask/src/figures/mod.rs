@@ -146,7 +146,7 @@ impl Sizes {
         }
     }
 
-    /// An hour or so.
+    /// Two hours or so, by estimate.
     pub fn normal() -> Self {
         Self {
             flag: "",
