@@ -124,6 +124,7 @@ impl Shader {
 }
 
 const RUN: &str = include_str!("device/run.wgsl");
+const PREFIX: &str = include_str!("device/prefix.wgsl");
 const DECISIONS: &str = include_str!("device/decisions.wgsl");
 
 /// What a device does with arrays and lists between kernels. Its counterpart on the CPU is `vivace_cpu::List`.
@@ -173,10 +174,10 @@ impl ListShader {
         let parts: &[&str] = match self {
             Self::Fill => &[RUN, include_str!("device/fill.wgsl")],
             Self::All => &[RUN, include_str!("device/all.wgsl")],
-            Self::Scan => &[RUN, DECISIONS, include_str!("device/scan.wgsl")],
+            Self::Scan => &[RUN, DECISIONS, PREFIX, include_str!("device/scan.wgsl")],
             Self::Split => &[RUN, DECISIONS, include_str!("device/split.wgsl")],
             Self::CountKeys => &[RUN, include_str!("device/count_keys.wgsl")],
-            Self::ScanKeys => &[RUN, include_str!("device/scan_keys.wgsl")],
+            Self::ScanKeys => &[RUN, PREFIX, include_str!("device/scan_keys.wgsl")],
             Self::PlaceKeys => &[RUN, include_str!("device/place_keys.wgsl")],
         };
         parts.join("\n")

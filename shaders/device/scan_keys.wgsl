@@ -7,8 +7,6 @@
 // The place of each key's header.
 @group(0) @binding(3) var<uniform> places: array<vec4<u32>, MOST_KEYS / 4u>;
 
-var<workgroup> sums: array<u32, GROUP>;
-
 @compute @workgroup_size(GROUP)
 fn main(@builtin(local_invocation_index) lane: u32) {
     let n_groups = (run.value + GROUP - 1u) / GROUP;
@@ -22,18 +20,7 @@ fn main(@builtin(local_invocation_index) lane: u32) {
         counts[k] = sum;
         sum += count;
     }
-    sums[lane] = sum;
-    workgroupBarrier();
-    for (var step = 1u; step < GROUP; step *= 2u) {
-        var left = 0u;
-        if lane >= step {
-            left = sums[lane - step];
-        }
-        workgroupBarrier();
-        sums[lane] += left;
-        workgroupBarrier();
-    }
-    let before = sums[lane] - sum;
+    let before = sum_before(lane, sum);
     for (var k = first; k < end; k++) {
         counts[k] += before;
     }

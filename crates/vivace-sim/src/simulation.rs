@@ -1,24 +1,22 @@
 //! A model on its way through time.
 
-use std::collections::BTreeSet;
+mod holding;
+mod restoring;
+mod tearing;
+mod unseen;
+
 use std::ops::Range;
 use std::path::Path;
 #[cfg(feature = "gpu")]
 use std::sync::Arc;
-use std::time::Instant;
 
-use vivace_model::{Forces, Model, ModelError, State, Tear, check_time_step};
-use vivace_scene::{Built, Held, Hold, Pose, Scene};
-#[cfg(feature = "gpu")]
-use vivace_solver::Resident;
+use vivace_model::{Forces, Model, ModelError, State, check_time_step};
+use vivace_scene::{Built, Held, Scene};
 use vivace_solver::collision::{self, Contact, Obstacle};
-use vivace_solver::{
-    Budget, Collisions, ContactMemory, Ease, PinMove, Solver, SolverError, StepReport, System,
-};
+use vivace_solver::{Budget, Collisions, PinMove, Solver, SolverError, StepReport, System};
 
-#[cfg(feature = "gpu")]
-use crate::gpu::Gpu;
-use crate::{Backend, Grab, Patch, PendingPositions, SimError, Snapshot, Torn, Vec3};
+use self::unseen::Seen;
+use crate::{Backend, Patch, SimError, Torn, Vec3};
 
 /// A model, its state, what acts on it, and a solver prepared for it.
 ///
@@ -52,14 +50,6 @@ pub struct Simulation {
     tears: Vec<Torn>,
     /// The state before a step, of a model that may tear.
     before: State,
-}
-
-/// Where the state of a simulation is that of an earlier frame.
-#[derive(Debug, Clone, Copy)]
-struct Seen {
-    frame: u64,
-    time: f64,
-    ease: Ease,
 }
 
 impl Simulation {
@@ -248,322 +238,9 @@ impl Simulation {
         }
     }
 
-    /// A step, and what tears after it.
-    fn step_and_tear(&mut self, budget: Budget) -> Result<StepReport, SimError> {
-        if !self.model().can_tear() {
-            return Ok(self.system.step(&mut self.state, &self.forces, self.time_step, budget)?);
-        }
-        self.before.clone_from(&self.state);
-        let ease = self.system.ease();
-        let contacts = self.system.collisions().map(|_| self.system.contact_memory());
-        let mut report = self.system.step(&mut self.state, &self.forces, self.time_step, budget)?;
-        let start = Instant::now();
-        if let Err(error) = self.tear(&mut report) {
-            self.state.clone_from(&self.before);
-            self.system.set_ease(ease);
-            contacts.map_or(Ok(()), |contacts| self.system.set_contact_memory(&contacts))?;
-            return Err(error);
-        }
-        report.times.tear = start.elapsed().as_secs_f64();
-        Ok(report)
-    }
-
-    /// Tears what is stretched too far.
-    fn tear(&mut self, report: &mut StepReport) -> Result<(), SimError> {
-        let tears = self.model().find_tears(&self.state.positions);
-        if tears.is_empty() {
-            return Ok(());
-        }
-        if self.whole.is_none() {
-            self.whole = Some(self.unheld()?);
-        }
-        self.system.tear(&mut self.state, &tears)?;
-        self.forget_place();
-        self.grabs.iter_mut().for_each(|patch| patch.tear(&tears));
-        for tear in &tears {
-            match tear {
-                Tear::Split { triangles, .. } => {
-                    report.tears.copies += 1;
-                    report.tears.triangles += triangles.len();
-                }
-                Tear::Break { .. } => report.tears.springs += 1,
-            }
-        }
-        self.tears.push(Torn { frame: self.frame + 1, tears });
-        Ok(())
-    }
-
-    /// The model, held by nobody.
-    fn unheld(&self) -> Result<Box<Model>, SimError> {
-        let mut model = Box::new(self.model().clone());
-        let pins = self.grabs.iter().filter(|patch| patch.hold == Hold::Pin);
-        pins.flat_map(|patch| &patch.particles).try_for_each(|&particle| model.unpin(particle))?;
-        model.replace_attachments(self.n_attachments, &[])?;
-        Ok(model)
-    }
-
-    /// What has torn since the start, frame by frame. Positions, velocities and the model's surface, springs and hinges have changed with it:
-    /// copies are numbered after all particles that were there, triangles keep their numbers.
-    #[must_use]
-    pub fn tears(&self) -> &[Torn] {
-        &self.tears
-    }
-
-    /// Takes and lets go what the scene drags from or until a time in [`start`, `end`). Returns what was held before, if that
-    /// is something else.
-    fn follow_drags(&mut self, start: f64, end: f64) -> Result<Option<(Vec<Patch>, u64)>, SimError> {
-        let is_now = |time: f64| (start..end).contains(&time.max(0.0));
-        let is_changed = |drag: &Held| is_now(drag.path.start()) || drag.release.is_some_and(is_now);
-        if !self.drags.iter().any(is_changed) {
-            return Ok(None);
-        }
-        let (mut grabs, mut n_grabs) = (self.grabs.clone(), self.n_grabs);
-        for (idx, drag) in self.drags.iter().enumerate() {
-            if is_now(drag.path.start()) {
-                grabs.push(Patch { drag: Some(idx), ..self.patch(&drag.particles, drag.hold, n_grabs)? });
-                n_grabs += 1;
-            }
-            if drag.release.is_some_and(is_now) {
-                grabs.retain(|patch| patch.drag != Some(idx));
-            }
-        }
-        let before = (self.grabs.clone(), self.n_grabs);
-        self.set_grabs(grabs)?;
-        self.n_grabs = n_grabs;
-        Ok(Some(before))
-    }
-
-    /// Leads what is held to where it has to be at `time` \[s\].
-    fn lead(&mut self, time: f64) -> Result<(), SimError> {
-        self.moves.clear();
-        let mut attachment = self.n_attachments;
-        for patch in &mut self.grabs {
-            if let Some(drag) = patch.drag.and_then(|idx| self.drags.get(idx)) {
-                patch.pose = drag.path.pose(time);
-            }
-            for (particle, to) in patch.targets() {
-                let from = self.state.positions[particle as usize];
-                match patch.hold {
-                    Hold::Pin if from != to => self.moves.push(PinMove { particle, from, to }),
-                    Hold::Pin => {}
-                    Hold::Spring(_) => {
-                        self.system.set_attachment_target(attachment, to)?;
-                        attachment += 1;
-                    }
-                }
-            }
-        }
-        Ok(self.system.move_pins(&self.moves)?)
-    }
-
-    /// Takes hold of particles where they are now, until [`Simulation::release`]: by a spring of its own for each, whose other end can be
-    /// moved, or as if by an infinite mass. A patch keeps its shape at those ends: see [`Simulation::move_grab`].
-    ///
-    /// Springs change no more than the diagonal of Y (a direct solver factors it anew in the next step); pins are no unknowns, and
-    /// the system is prepared anew. Both cost nothing per frame once it is done, but moving the ends.
-    ///
-    /// # Errors
-    /// No particles, one that does not exist, is named twice or is pinned; a stiffness that is not finite and positive. Nothing has
-    /// changed.
-    ///
-    /// ```
-    /// use vivace_sim::{Budget, Hold, Simulation, Solver, Vec3, scene::tablecloth};
-    ///
-    /// let mut simulation = Simulation::new(&tablecloth(20), Solver::default())?;
-    /// let hand = simulation.grab(&[398, 399], Hold::Spring(1000.0))?;
-    /// for frame in 1..=10 {
-    ///     simulation.drag(hand, Vec3::Y * 0.01 * frame as f32)?;
-    ///     simulation.step(Budget::iterations(20))?;
-    /// }
-    /// assert!((simulation.positions()[399].y - 0.1).abs() < 0.01);
-    /// simulation.release(hand)?;
-    /// # Ok::<(), vivace_sim::SimError>(())
-    /// ```
-    pub fn grab(&mut self, particles: &[u32], hold: Hold) -> Result<Grab, SimError> {
-        self.sync()?;
-        let patch = self.patch(particles, hold, self.n_grabs)?;
-        let grab = patch.grab;
-        self.set_grabs(self.grabs.iter().cloned().chain([patch]).collect())?;
-        self.n_grabs += 1;
-        Ok(grab)
-    }
-
-    /// Particles where they are now.
-    fn patch(&self, particles: &[u32], hold: Hold, number: u64) -> Result<Patch, SimError> {
-        let at = |&particle: &u32| self.state.positions.get(particle as usize).copied().unwrap_or_default();
-        let taken_at: Vec<Vec3> = particles.iter().map(at).collect();
-        let patch = Patch {
-            grab: Grab(number),
-            particles: particles.to_vec(),
-            middle: Patch::middle_of(&taken_at),
-            taken_at,
-            hold,
-            pose: Pose::IDENTITY,
-            drag: None,
-        };
-        patch.check(self.model().n_particles())?;
-        match particles.iter().find(|&&particle| self.model().is_pinned(particle)) {
-            Some(&particle) => Err(ModelError::Pinned { particle }.into()),
-            None => Ok(patch),
-        }
-    }
-
-    /// Where what is held has to be at the end of the next step, seen from where it was taken \[m\].
-    ///
-    /// # Errors
-    /// As [`Simulation::move_grab`].
-    pub fn drag(&mut self, grab: Grab, by: Vec3) -> Result<(), SimError> {
-        let rotation = self.grabs[self.held(grab)?].pose.rotation;
-        self.move_grab(grab, Pose { at: by, rotation })
-    }
-
-    /// Where what is held has to be at the end of the next step: turned about the middle of where it was taken, then moved. What the
-    /// scene dragged until now is yours from then on.
-    ///
-    /// # Errors
-    /// There is no such grab; a target that is not finite or is beyond 10¹² m, a rotation that is none. Nothing has changed.
-    pub fn move_grab(&mut self, grab: Grab, pose: Pose) -> Result<(), SimError> {
-        let idx = self.held(grab)?;
-        let n_particles = self.model().n_particles();
-        let patch = &mut self.grabs[idx];
-        let before = std::mem::replace(&mut patch.pose, pose);
-        if let Err(error) = patch.check(n_particles) {
-            patch.pose = before;
-            return Err(error);
-        }
-        patch.drag = None;
-        Ok(())
-    }
-
-    /// Lets go: from the next step on all is as if the particles had never been held, but for where they are and how they move.
-    ///
-    /// # Errors
-    /// There is no such grab.
-    pub fn release(&mut self, grab: Grab) -> Result<(), SimError> {
-        self.held(grab)?;
-        self.set_grabs(self.grabs.iter().filter(|patch| patch.grab != grab).cloned().collect())
-    }
-
-    /// What is held.
-    #[must_use]
-    pub fn grabs(&self) -> &[Patch] {
-        &self.grabs
-    }
-
-    fn held(&self, grab: Grab) -> Result<usize, SimError> {
-        let idx = self.grabs.iter().position(|patch| patch.grab == grab);
-        idx.ok_or(SimError::NoGrab { grab: grab.0 })
-    }
-
-    /// Holds these, and nothing else.
-    fn set_grabs(&mut self, grabs: Vec<Patch>) -> Result<(), SimError> {
-        let pins = |grabs: &[Patch]| -> BTreeSet<u32> {
-            let pins = grabs.iter().filter(|patch| patch.hold == Hold::Pin);
-            pins.flat_map(|patch| &patch.particles).copied().collect()
-        };
-        let springs = |patch: &Patch| match patch.hold {
-            Hold::Pin => Vec::new(),
-            Hold::Spring(stiffness) => patch.targets().map(|(p, target)| (p, target, stiffness)).collect(),
-        };
-        let (old, new) = (pins(&self.grabs), pins(&grabs));
-        let springs: Vec<(u32, Vec3, f32)> = grabs.iter().flat_map(springs).collect();
-        if old == new {
-            self.system.replace_attachments(self.n_attachments, &springs)?;
-        } else {
-            let mut model = self.model().clone();
-            old.difference(&new).try_for_each(|&particle| model.unpin(particle))?;
-            new.difference(&old).try_for_each(|&particle| model.pin(particle))?;
-            model.replace_attachments(self.n_attachments, &springs)?;
-            self.system.set_model(model)?;
-        }
-        self.forget_place();
-        self.grabs = grabs;
-        Ok(())
-    }
-
     fn count_frame(&mut self) {
         self.frame += 1;
         self.time += f64::from(self.time_step);
-    }
-
-    /// Whether a frame is led or ended by what the host sees: grabs, drags, tears.
-    fn needs_host(&self) -> bool {
-        !self.grabs.is_empty() || !self.drags.is_empty() || self.model().can_tear()
-    }
-
-    /// The system was prepared anew, in another order perhaps.
-    fn forget_place(&mut self) {
-        #[cfg(feature = "gpu")]
-        {
-            self.place = None;
-        }
-    }
-
-    /// The next frame, which on a GPU stays there: the host waits for nothing, and [`Simulation::positions`], [`Simulation::state`] and
-    /// [`Simulation::snapshot`] are those of the last frame that it has seen, until [`Simulation::sync`] or [`Simulation::step`]. A budget
-    /// of seconds or a tolerance makes it wait all the same. On the CPU, and while something is held or may tear, this is [`Simulation::step`].
-    ///
-    /// # Errors
-    /// As [`Simulation::step`]; what goes wrong on a GPU comes out of [`Simulation::sync`]. The simulation is then as the host has seen it
-    /// last.
-    pub fn advance(&mut self, budget: Budget) -> Result<StepReport, SimError> {
-        if !self.is_on_device || self.needs_host() {
-            return self.step(budget);
-        }
-        let seen = Seen { frame: self.frame, time: self.time, ease: self.system.ease() };
-        if self.seen.is_none() {
-            self.system.load(&self.state)?;
-        }
-        let report = self.system.advance(&self.forces, self.time_step, budget);
-        let report = report.map_err(|error| self.go_back(error))?;
-        self.seen.get_or_insert(seen);
-        self.count_frame();
-        Ok(report)
-    }
-
-    /// Lets the host see the last frame: waits for it, and reads it back. Returns at once where it has.
-    ///
-    /// # Errors
-    /// A result that is not finite; a GPU that has failed or is lost. The simulation is then as the host has seen it last.
-    pub fn sync(&mut self) -> Result<(), SimError> {
-        if self.seen.is_some() {
-            self.system.store(&mut self.state).map_err(|error| self.go_back(error))?;
-            self.seen = None;
-        }
-        Ok(())
-    }
-
-    /// What the host has not seen is lost.
-    fn go_back(&mut self, error: SolverError) -> SolverError {
-        if let Some(Seen { frame, time, ease }) = self.seen.take() {
-            (self.frame, self.time) = (frame, time);
-            self.system.set_ease(ease);
-        }
-        error
-    }
-
-    /// The positions of the last frame on their way to the host, which goes on: see [`PendingPositions`]. There may be several at the same
-    /// time; each holds the positions of its frame.
-    ///
-    /// # Errors
-    /// The GPU has no memory for them, or is lost.
-    pub fn read_positions(&mut self) -> Result<PendingPositions, SimError> {
-        #[cfg(feature = "gpu")]
-        if self.seen.is_some()
-            && let Some(Resident { backend, positions, place }) = self.system.resident::<Gpu>()
-        {
-            let copy = backend.read_back(positions)?;
-            let place = self.place.get_or_insert_with(|| place.into()).clone();
-            return Ok(PendingPositions::on_the_way(copy, place));
-        }
-        Ok(PendingPositions::here(self.state.positions.clone()))
-    }
-
-    /// The positions where they lie on the GPU, for a renderer on the same device: those of the last frame, once there was one. `None` on
-    /// the CPU.
-    #[cfg(feature = "gpu")]
-    pub fn resident(&mut self) -> Option<Resident<'_, Gpu>> {
-        self.system.resident()
     }
 
     /// Whether each step reports its objective \[J\] and residual \[N\], which takes about as long as two iterations, not counted
@@ -654,10 +331,7 @@ impl Simulation {
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SimError> {
         self.sync()?;
         self.system.set_solver(solver)?;
-        #[cfg(feature = "gpu")]
-        {
-            self.place = None;
-        }
+        self.forget_place();
         Ok(())
     }
 
@@ -687,102 +361,6 @@ impl Simulation {
     #[must_use]
     pub fn time(&self) -> f64 {
         self.time
-    }
-
-    /// All that changes, to be kept, as the host has seen it last: see [`Simulation::advance`].
-    #[must_use]
-    pub fn snapshot(&self) -> Snapshot {
-        let now = Seen { frame: self.frame, time: self.time, ease: self.system.ease() };
-        let Seen { frame, time, ease } = self.seen.unwrap_or(now);
-        Snapshot {
-            frame,
-            time,
-            time_step: self.time_step,
-            forces: self.forces,
-            ease,
-            contacts: self.system.contact_memory(),
-            grabs: self.grabs.clone(),
-            n_grabs: self.n_grabs,
-            tears: self.tears.clone(),
-            targets: self.targets().collect(),
-            state: self.state.clone(),
-        }
-    }
-
-    /// Goes back to a snapshot, of this simulation or of another of the same scene. Under a budget of iterations the frames that
-    /// follow are the same bit for bit.
-    ///
-    /// # Errors
-    /// A snapshot of another model, or with values that cannot be; the simulation stays as it was.
-    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimError> {
-        let count = |what, expected, found| {
-            if expected == found { Ok(()) } else { Err(SimError::Snapshot { what, expected, found }) }
-        };
-        let model = self.model_of(&snapshot.tears)?;
-        let n_particles = model.as_deref().unwrap_or(self.model()).n_particles();
-        count("particles", n_particles, snapshot.state.positions.len())?;
-        count("attachments", self.n_attachments, snapshot.targets.len())?;
-        let n_drags = snapshot.grabs.iter().filter_map(|patch| patch.drag).max().map_or(0, |last| last + 1);
-        count("drags", self.drags.len(), n_drags.max(self.drags.len()))?;
-        snapshot.grabs.iter().try_for_each(|patch| patch.check(n_particles))?;
-        snapshot.state.check(model.as_deref().unwrap_or(self.model()))?;
-        snapshot.forces.check()?;
-        check_time_step(snapshot.time_step)?;
-        if !snapshot.time.is_finite() {
-            #[expect(clippy::cast_possible_truncation, reason = "not a number, or infinite")]
-            let (what, value) = ("the time of the snapshot [s]", snapshot.time as f32);
-            return Err(ModelError::Value { what, value, need: "finite" }.into());
-        }
-        let now = self.unheld()?;
-        let (grabs, contacts) = (self.grabs.clone(), self.system.contact_memory());
-        let targets: Vec<Vec3> = self.targets().collect();
-        let is_torn = model.is_some();
-        if let Err(error) = self.take(model, &snapshot.grabs, &snapshot.targets, &snapshot.contacts) {
-            self.take(is_torn.then_some(now), &grabs, &targets, &contacts)?;
-            return Err(error);
-        }
-        if is_torn {
-            self.whole.get_or_insert(now);
-            self.tears.clone_from(&snapshot.tears);
-        }
-        self.n_grabs = snapshot.n_grabs;
-        self.system.set_ease(snapshot.ease);
-        self.seen = None;
-        self.state.clone_from(&snapshot.state);
-        self.forces = snapshot.forces;
-        self.time_step = snapshot.time_step;
-        self.frame = snapshot.frame;
-        self.time = snapshot.time;
-        Ok(())
-    }
-
-    /// The model after `tears`, held by nobody; `None` if it is the present one.
-    fn model_of(&self, tears: &[Torn]) -> Result<Option<Box<Model>>, SimError> {
-        if tears == self.tears {
-            return Ok(None);
-        }
-        let mut model = self.whole.clone().map_or_else(|| self.unheld(), Ok)?;
-        tears.iter().try_for_each(|torn| model.tear(&torn.tears))?;
-        Ok(Some(model))
-    }
-
-    /// What of a snapshot the system may refuse.
-    fn take(
-        &mut self,
-        unheld: Option<Box<Model>>,
-        grabs: &[Patch],
-        targets: &[Vec3],
-        contacts: &ContactMemory,
-    ) -> Result<(), SimError> {
-        if let Some(model) = unheld {
-            self.system.set_model(*model)?;
-            self.grabs.clear();
-        }
-        self.set_grabs(grabs.to_vec())?;
-        for (attachment, &target) in targets.iter().enumerate() {
-            self.set_target(attachment, target)?;
-        }
-        Ok(self.system.set_contact_memory(contacts)?)
     }
 }
 

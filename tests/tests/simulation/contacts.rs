@@ -129,8 +129,9 @@ fn colliding_bodies_keep_their_momentum() {
             );
             println!("{framework:?} {friction}: {off}, {passed} of {before}, {seen:?}");
             assert!(seen.contacts > 100 && passed.y < 0.2 * before.y, "{framework:?}: nothing collided");
-            // What the guard holds back it takes from one side alone.
-            let most = if seen.held_back == 0 { 1e-4 } else { 0.02 };
+            // What the guard holds back of unconverged sweeps it takes from one side alone.
+            let is_guarded = framework != Framework::PositionBased && seen.held_back > 0;
+            let most = if is_guarded { 0.02 } else { 1e-4 };
             assert!(off < most, "{framework:?}, friction {friction}: {off}");
             assert_clean(&model, &state, &[], "after the collision");
         }
