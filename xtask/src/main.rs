@@ -5,10 +5,10 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use xtask::commands::{
     CommandError, bench_coloring, bench_gpu, bench_simulation, color, extremes, fuzz, inspect,
-    reproduce_figures, simulate, test, tradeoff,
+    reproduce_figures, simulate, tradeoff,
 };
 
-/// Vivace's chores: the checks of the project, and tools for meshes and graphs of your own.
+/// Vivace's chores: figures, simulations, measurements, and tools for meshes and graphs of your own.
 #[derive(Parser)]
 #[command(name = "xtask", bin_name = "cargo xtask", max_term_width = 80, arg_required_else_help = true)]
 struct Cli {
@@ -19,7 +19,6 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     ReproduceFigures(reproduce_figures::Args),
-    Test(test::Args),
     Simulate(simulate::Args),
     Tradeoff(tradeoff::Args),
     Inspect(inspect::Args),
@@ -46,7 +45,6 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<(), CommandError> {
     match command {
         Command::ReproduceFigures(args) => reproduce_figures::run(args),
-        Command::Test(args) => test::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Tradeoff(args) => tradeoff::run(args),
         Command::Inspect(args) => inspect::run(args),

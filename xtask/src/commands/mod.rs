@@ -9,14 +9,11 @@ pub mod fuzz;
 pub mod inspect;
 pub mod reproduce_figures;
 pub mod simulate;
-pub mod test;
 pub mod tradeoff;
 
 mod input;
 mod output;
 mod scene;
-mod setup;
-mod vulkan;
 
 use std::io;
 

@@ -16,7 +16,7 @@ use frames::{Album, Format};
 /// Run a scene: meshes, measures and pictures to a folder
 ///
 /// SCENE is a .ron or .json file, or the name of a ready-made scene: tablecloth,
-/// armadillo, beam, curtain, drape, flag, noodles, heap, stack (their files are in
+/// armadillo, beam, curtain, drape, flag, noodles, heap, stack, pinch (their files are in
 /// assets/scenes). DIR gets frames.csv, a row for each frame, a mesh of the start and of every
 /// Mth frame, and one of each obstacle where it stands, or has moved to. Under --iterations the
 /// result is the same on every run and any number of threads.

@@ -2,8 +2,8 @@
 
 use std::process::{Command, Stdio};
 
-use super::vulkan::Vulkan;
-use super::{CommandError, output};
+use crate::vulkan::Vulkan;
+use crate::{Error, print};
 
 /// A package manager, and how the software driver and the loader are called there.
 struct Manager {
@@ -52,7 +52,7 @@ const MANAGERS: [Manager; 4] = [
 ///
 /// # Errors
 /// One is missing; the message says how to get it.
-pub(super) fn check_components(cargo: &str) -> Result<(), CommandError> {
+pub(crate) fn check_components(cargo: &str) -> Result<(), Error> {
     let has = |command: &str| {
         let mut probe = Command::new(cargo);
         probe.args([command, "--version"]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -66,7 +66,7 @@ pub(super) fn check_components(cargo: &str) -> Result<(), CommandError> {
     if missing.is_empty() {
         return Ok(());
     }
-    Err(CommandError::Failed(format!(
+    Err(Error::Failed(format!(
         "the toolchain lacks {}; run `rustup component add {}` (or install them where Rust came from)",
         missing.join(" and "),
         missing.join(" ")
@@ -78,7 +78,7 @@ pub(super) fn check_components(cargo: &str) -> Result<(), CommandError> {
 ///
 /// # Errors
 /// An installation that fails. A missing adapter alone is none: the tests that need one say so.
-pub(super) fn vulkan(install: bool) -> Result<(), CommandError> {
+pub(crate) fn vulkan(install: bool) -> Result<(), Error> {
     let Some(found) = Vulkan::find() else { return Ok(()) };
     if found.is_complete() {
         return Ok(());
@@ -93,7 +93,7 @@ pub(super) fn vulkan(install: bool) -> Result<(), CommandError> {
     let is_root = is_root();
     let by_hand = manager.command_line(is_root);
     if !install {
-        let hint = "`cargo xtask test --setup` installs what is missing where it may";
+        let hint = "`cargo verify --setup` installs what is missing where it may";
         return note(&format!("this machine lacks {missing}.\n{hint}; by hand:\n  {by_hand}"));
     }
     let Some(rights) = Rights::find(is_root) else {
@@ -102,26 +102,26 @@ pub(super) fn vulkan(install: bool) -> Result<(), CommandError> {
         ));
     };
     let packages = manager.packages.join(" and ");
-    output::print(&format!(
+    print(&format!(
         "setup: this machine lacks {missing}\nsetup: installing {packages} with {}\n",
         manager.program
     ))?;
     manager.install(rights).map_err(|report| {
-        CommandError::Failed(format!("the installation failed:\n{report}\nTo try it by hand:\n  {by_hand}"))
+        Error::Failed(format!("the installation failed:\n{report}\nTo try it by hand:\n  {by_hand}"))
     })?;
     match Vulkan::find() {
-        Some(after) if !after.is_complete() => Err(CommandError::Failed(format!(
+        Some(after) if !after.is_complete() => Err(Error::Failed(format!(
             "{packages} are installed, but {} cannot be found; \
              look at VK_DRIVER_FILES and VK_ICD_FILENAMES, if set",
             after.missing()
         ))),
-        _ => output::print("setup: the software Vulkan driver is installed\n"),
+        _ => print("setup: the software Vulkan driver is installed\n"),
     }
 }
 
 /// The tests that need the adapter fail by themselves, after all that does not.
-fn note(text: &str) -> Result<(), CommandError> {
-    output::print(&format!("note: {text}\nnote: without a Vulkan adapter the tests of the GPU will fail\n"))
+fn note(text: &str) -> Result<(), Error> {
+    print(&format!("note: {text}\nnote: without a Vulkan adapter the tests of the GPU will fail\n"))
 }
 
 /// How commands get to change the system.

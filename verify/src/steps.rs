@@ -1,21 +1,11 @@
-//! `cargo xtask test`: everything that a change must pass, in the order that fails soonest.
+//! The steps, and what each has come to.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use super::{CommandError, output, setup};
-
-/// Run formatting, lints, documentation and all tests; stop at the first failure.
-#[derive(Debug, Clone, clap::Args)]
-#[command(verbatim_doc_comment)]
-pub struct Args {
-    /// Install the software Vulkan driver with the system's package manager where
-    /// there is none and it may.
-    #[arg(long, verbatim_doc_comment)]
-    pub setup: bool,
-}
+use crate::{Error, print, setup};
 
 /// One thing to run.
 struct Step {
@@ -40,10 +30,10 @@ const STEPS: [Step; 4] = [
 ///
 /// # Errors
 /// The first step that fails, by name; an installation that fails.
-pub fn run(args: Args) -> Result<(), CommandError> {
+pub(crate) fn run(may_install: bool) -> Result<(), Error> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     setup::check_components(&cargo)?;
-    setup::vulkan(args.setup)?;
+    setup::vulkan(may_install)?;
     let mut summary = String::from("\nsummary\n");
     let start = Instant::now();
     let mut failed = None;
@@ -52,21 +42,21 @@ pub fn run(args: Args) -> Result<(), CommandError> {
             add(&mut summary, step, "not run", None);
             continue;
         }
-        output::print(&format!("\n== {}: {}\n", step.name, step.command_line()))?;
+        print(&format!("\n== {}: {}\n", step.name, step.command_line()))?;
         let step_start = Instant::now();
         let passed = step.run(&cargo)?;
         let seconds = step_start.elapsed().as_secs_f64();
         let verdict = if passed { "passed" } else { "FAILED" };
-        output::print(&format!("== {} {verdict} in {seconds:.1} s\n", step.name))?;
+        print(&format!("== {} {verdict} in {seconds:.1} s\n", step.name))?;
         add(&mut summary, step, verdict, Some(seconds));
         if !passed {
             failed = Some(step);
         }
     }
-    output::print(&summary)?;
+    print(&summary)?;
     match failed {
-        None => output::print(&format!("all passed in {:.1} s\n", start.elapsed().as_secs_f64())),
-        Some(step) => Err(CommandError::Failed(format!(
+        None => print(&format!("all passed in {:.1} s\n", start.elapsed().as_secs_f64())),
+        Some(step) => Err(Error::Failed(format!(
             "{} failed; see above, and repeat it with `{}`{}",
             step.name,
             step.command_line(),
@@ -84,7 +74,7 @@ impl Step {
         format!("{flags}cargo {}", self.args.join(" "))
     }
 
-    fn run(&self, cargo: &str) -> Result<bool, CommandError> {
+    fn run(&self, cargo: &str) -> Result<bool, Error> {
         let mut command = Command::new(cargo);
         command.args(self.args).current_dir(root()).stdin(Stdio::null());
         if !self.rustdoc_flags.is_empty() {
@@ -96,7 +86,7 @@ impl Step {
             command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
         }
         let status = command.status();
-        let status = status.map_err(|error| CommandError::Failed(format!("cannot run {cargo}: {error}")))?;
+        let status = status.map_err(|error| Error::Failed(format!("cannot run {cargo}: {error}")))?;
         Ok(status.success())
     }
 }

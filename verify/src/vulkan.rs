@@ -7,18 +7,18 @@ use std::path::{Path, PathBuf};
 
 /// What is there.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Vulkan {
+pub(crate) struct Vulkan {
     /// The loader, `libvulkan.so.1`.
-    pub(super) loader: Option<PathBuf>,
+    pub(crate) loader: Option<PathBuf>,
     /// Manifests of drivers whose library is there, too.
-    pub(super) drivers: Vec<PathBuf>,
+    pub(crate) drivers: Vec<PathBuf>,
 }
 
 const LOADER: &str = "libvulkan.so.1";
 
 impl Vulkan {
     /// Looks around. `None` where the system brings a graphics interface of its own (Metal, DirectX), so nothing can be missing.
-    pub(super) fn find() -> Option<Self> {
+    pub(crate) fn find() -> Option<Self> {
         if cfg!(any(target_os = "macos", target_os = "windows")) {
             return None;
         }
@@ -32,12 +32,12 @@ impl Vulkan {
     }
 
     /// Whether an adapter can be expected.
-    pub(super) fn is_complete(&self) -> bool {
+    pub(crate) fn is_complete(&self) -> bool {
         self.loader.is_some() && !self.drivers.is_empty()
     }
 
     /// What is missing, in words.
-    pub(super) fn missing(&self) -> String {
+    pub(crate) fn missing(&self) -> String {
         let loader = self.loader.is_none().then_some("the Vulkan loader (libvulkan.so.1)");
         let driver = self.drivers.is_empty().then_some("a Vulkan driver (no usable icd.d/*.json)");
         let missing: Vec<&str> = loader.into_iter().chain(driver).collect();
