@@ -65,3 +65,61 @@ pub(crate) fn is_inside(edges: &Contact) -> bool {
 fn feature(contact: &Contact) -> [Option<u32>; 3] {
     [1, 2, 3].map(|k| (contact.weights[k] != 0.0).then_some(contact.particles[k]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point and a triangle of these corners, whose nearest place has these weights.
+    fn contact(point: u32, [a, b, c]: [u32; 3], [wa, wb, wc]: [f32; 3], normal: Vec3) -> Contact {
+        let (particles, weights) = ([point, a, b, c], [1.0, -wa, -wb, -wc]);
+        let [origin, velocity] = [Vec3::ZERO; 2];
+        Contact { particles, weights, normal, origin, velocity, distance: 0.01, friction: 0.0 }
+    }
+
+    /// Between floor and wall both hold the point. The floor's next triangle is nearest to it on the side that both have.
+    #[test]
+    fn what_a_nearer_triangle_implies_goes() {
+        let to = [
+            [0.0, 0.0, 0.0],
+            [-1.0, -0.01, -1.0],
+            [1.0, -0.01, -1.0],
+            [0.0, -0.01, 1.0],
+            [-0.02, -1.0, -1.0],
+            [-0.02, 1.0, -1.0],
+            [-0.02, 0.0, 1.0],
+            [0.0, -0.01, -2.0],
+        ]
+        .map(Vec3::from_array);
+        let floor = contact(0, [1, 2, 3], [0.25, 0.25, 0.5], Vec3::Y);
+        let wall = contact(0, [4, 5, 6], [0.25, 0.25, 0.5], Vec3::X);
+        let next = contact(0, [1, 2, 7], [0.5, 0.5, 0.0], Vec3::new(0.0, 0.01, 1.0).normalize());
+        let mut contacts = vec![next, wall, floor];
+        Thinner::default().thin(&mut contacts, &to);
+        assert_eq!(contacts, [wall, floor]);
+        // Alone it says something.
+        let mut contacts = vec![next, wall];
+        Thinner::default().thin(&mut contacts, &to);
+        assert_eq!(contacts, [next, wall]);
+    }
+
+    /// Edges are held apart by their ends only where each end of one is held against each of the other.
+    #[test]
+    fn edges_are_held_by_all_their_ends() {
+        let held = |normals: [Vec3; 4]| {
+            let of = |(p, normal): (u32, Vec3)| contact(p, [4, 4, 4], [0.0, 0.0, 1.0], normal);
+            let mut contacts = (0..).zip(normals).map(of).collect();
+            let mut thinner = Thinner::default();
+            thinner.thin(&mut contacts, &[Vec3::ZERO; 5]);
+            thinner.holds([0, 1, 2, 3])
+        };
+        let up = Vec3::Y;
+        assert!(held([up, up, -up, -up]));
+        assert!(!held([up, up, up, -up]) && !held([up, -up, -up, -up]));
+        // a and d are the only ones that do not face each other.
+        let [b, c, d] = [[0.4, 0.917], [-0.2, -0.98], [-0.5, -0.866]].map(|[x, y]| Vec3::new(x, y, 0.0));
+        for turned in [[up, b, c, d], [b, up, c, d], [c, d, up, b], [c, d, b, up]] {
+            assert!(!held(turned), "{turned:?}");
+        }
+    }
+}

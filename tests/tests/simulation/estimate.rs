@@ -1,8 +1,11 @@
 //! The spectral radius that a relaxation estimates for Chebyshev's weights, where it is known in closed form.
 
 use glam::Vec3;
-use vivace_model::{Forces, ModelBuilder};
-use vivace_solver::{Budget, Framework, LocalStep, Relaxation, Rho, Solver, System, VertexSolve};
+use vivace_cpu::Cpu;
+use vivace_model::{Forces, Model, ModelBuilder};
+use vivace_solver::{
+    Budget, Framework, LocalStep, Relaxation, Rho, Solver, SolverError, System, VertexSolve,
+};
 use vivace_tests::scenes::{STEP, Scene, cloth, jitter, plain, solvers};
 
 /// Free particles of the chain.
@@ -71,9 +74,14 @@ fn on_a_linear_system_it_is_the_spectral_radius() {
     }
 }
 
-/// The answer is that of the same number given: the iterations before it have left nothing behind.
+/// The answer is that of the same number given: the iterations before it have left nothing behind, on the host as in kernels.
 #[test]
 fn it_is_as_if_it_had_been_given() {
+    as_if_it_had_been_given(|model, solver| System::new(model, solver));
+    as_if_it_had_been_given(|model, solver| System::on(model, solver, Cpu::new()));
+}
+
+fn as_if_it_had_been_given(system: impl Fn(Model, Solver) -> Result<System, SolverError>) {
     let (model, mut state) = cloth(9, 100.0, Some(1e-3));
     jitter(&model, &mut state, 0.01, 5);
     let scene = (model, state);
@@ -87,7 +95,7 @@ fn it_is_as_if_it_had_been_given() {
                 | Relaxation::ChebyshevGaussSeidel { rho, .. } => *rho = new,
                 _ => return None,
             }
-            Some(System::new(scene.0.clone(), solver).unwrap())
+            Some(system(scene.0.clone(), solver).unwrap())
         };
         let Some(mut system) = with(Rho::Estimated) else { continue };
         let (rho, estimated) = step(&mut system, &scene, STEP, 20);

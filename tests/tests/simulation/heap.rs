@@ -5,14 +5,16 @@ use vivace_scene::{Scene, heap, noodles, pinch, stack};
 use vivace_sim::{Budget, Framework, Simulation, Solver};
 use vivace_tests::crossings::crossings;
 
-/// Nine cloths on an armchair: finite, within the room, and no more colors at the end than in the beginning. That the coloring is proper
-/// after each change is asserted where it changes.
-fn stays_in_the_room(n_frames: usize) {
+/// Nine cloths on an armchair, 10,000 frames: finite, within the room, and no more colors at the end than in the beginning. That the
+/// coloring is proper after each change is asserted where it changes.
+#[test]
+fn frames_of_the_heap_stay_in_the_room() {
+    const N_FRAMES: usize = 10_000;
     let mut simulation = Simulation::new(&heap(3), Solver::default()).unwrap();
     let (mut colors, mut recolored) = ([0; 10], 0);
-    for frame in 0..n_frames {
+    for frame in 0..N_FRAMES {
         let report = simulation.step(Budget::iterations(6)).unwrap();
-        let tenth = 10 * frame / n_frames;
+        let tenth = 10 * frame / N_FRAMES;
         colors[tenth] = report.colors.max(colors[tenth]);
         recolored += report.contacts.recolored;
         let is_out = |p: &Vec3| !(p.x.abs() < 3.0 && p.z.abs() < 3.0 && p.y > 0.0 && p.y < 3.0);
@@ -24,19 +26,8 @@ fn stays_in_the_room(n_frames: usize) {
         }
     }
     println!("colors by tenths: {colors:?}; {recolored} vertices recolored");
-    assert!(recolored > 100, "{recolored}");
-    assert!(colors[9] <= colors[..3].iter().copied().max().unwrap() + 1, "{colors:?}");
-}
-
-#[test]
-fn frames_of_the_heap_stay_in_the_room() {
-    stays_in_the_room(300);
-}
-
-#[test]
-#[ignore = "minutes: cargo test --release -p vivace-tests --test simulation -- --ignored ten_thousand"]
-fn ten_thousand_frames_of_the_heap_stay_in_the_room() {
-    stays_in_the_room(10_000);
+    assert!(recolored > 1000, "{recolored}");
+    assert!(colors[9] <= colors[0], "{colors:?}");
 }
 
 /// What is pinched is lifted, and what lies below stays; nothing crosses.

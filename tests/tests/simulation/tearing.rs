@@ -8,7 +8,7 @@ use rayon::ThreadPoolBuilder;
 use vivace_coloring::{Certificate, color};
 use vivace_cpu::Cpu;
 use vivace_kernels::constraint::Constraint;
-use vivace_mesh::cloth;
+use vivace_mesh::{TriMesh, cloth};
 use vivace_model::{Model, ModelBuilder, ModelError, State, Tear, TearLimit};
 use vivace_solver::{Budget, Framework, PinMove, Relaxation, Solver, System};
 use vivace_tests::random::Random;
@@ -412,4 +412,33 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     builder.tet_strain(0, mesh.tets(), 10.0).unwrap();
     builder.let_tear(3..4, &TearLimit::new(0.5)).unwrap();
     assert_eq!(builder.build().unwrap_err(), ModelError::NoTear { spring: 3 });
+}
+
+/// Of two ends that could be split, that on the boundary is: a crack goes on where it has come to. Here it is at the inner corner of an L.
+#[test]
+fn a_crack_goes_on_from_the_boundary() {
+    let mesh = cloth::regular(7, 7, 0.1).unwrap();
+    let (corner, within) = (24, 23);
+    let is_away = |&p: &u32| p % 7 > 3 && p / 7 > 3;
+    let left = mesh.triangles().iter().filter(|t| !t.iter().any(is_away)).copied();
+    let left: Vec<[u32; 3]> = left.collect();
+    let kept: Vec<u32> = (0..49).filter(|p| left.iter().flatten().any(|q| q == p)).collect();
+    let number = |p: u32| u32::try_from(kept.binary_search(&p).unwrap()).unwrap();
+    let positions = kept.iter().map(|&p| mesh.positions()[p as usize]).collect();
+    let mesh = TriMesh::new(positions, left.iter().map(|t| t.map(number)).collect()).unwrap();
+    let mut builder = ModelBuilder::new();
+    builder.cloth(&mesh, 0.2).unwrap();
+    builder.springs(0, &mesh.edges(), 100.0).unwrap();
+    builder.let_tear(0..builder.n_springs(), &TearLimit::new(0.5)).unwrap();
+    let (model, state) = builder.build().unwrap();
+    let (corner, within) = (number(corner), number(within));
+    assert!(within < corner, "by number alone the other one would be");
+    let mut pulled = state.positions;
+    let way = pulled[within as usize] - pulled[corner as usize];
+    pulled[within as usize] += 0.6 * way;
+    let tears = model.find_tears(&pulled);
+    assert!(
+        matches!(tears[..], [Tear::Split { particle, .. }, ..] if particle == corner),
+        "{corner}, {within}: {tears:?}"
+    );
 }
