@@ -120,17 +120,18 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> KindPass<C, N, R> {
 /// Constraints that one thread projects before another may take over.
 const GRAIN: usize = 512;
 
+/// Constraints of one or several particles that are projected together.
+const AT_ONCE: usize = 64;
+
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N, R> {
     fn project(&mut self, q: &Points) {
         let (particles, rest) = (&self.particles, &self.rest);
         let piece = |(piece, projected): (usize, &mut [[Vec3; R]])| {
             let first = piece * GRAIN;
-            let range = first..first + projected.len();
-            C::project_all(
-                &rest[range.clone()],
-                |k| particles[range.start + k].map(|p| q.get(p as usize).into()),
-                projected,
-            );
+            for (k, aq) in (first..).zip(projected.iter_mut()) {
+                *aq = rest[k].apply(&particles[k].map(|p| q.get(p as usize).into()));
+            }
+            C::project_all(|k| &rest[first + k], projected);
         };
         if rayon::current_num_threads() == 1 {
             self.projected.chunks_mut(GRAIN).enumerate().for_each(piece);
@@ -148,11 +149,22 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N
     }
 
     fn pull_fused(&self, range: Range<usize>, q: &Points, out: &mut [Vec3A]) {
-        for (particle, out) in range.zip(out) {
-            for (constraint, slot) in self.slots(particle) {
-                let rest = &self.rest[constraint];
-                let p = rest.project(rest.apply(&self.corners(constraint, q)));
-                *out += Vec3A::from(rest.pull(slot, &p));
+        let (first, mut particle) = (range.start, range.start);
+        let [begin, end] = [range.start, range.end].map(|particle| self.offsets[particle] as usize);
+        let mut projected = [[Vec3::ZERO; R]; AT_ONCE];
+        for at in (begin..end).step_by(AT_ONCE) {
+            let slots = &self.slots[at..end.min(at + AT_ONCE)];
+            let constraint = |k: usize| slots[k] as usize / N;
+            let projected = &mut projected[..slots.len()];
+            for (k, aq) in projected.iter_mut().enumerate() {
+                *aq = self.rest[constraint(k)].apply(&self.corners(constraint(k), q));
+            }
+            C::project_all(|k| &self.rest[constraint(k)], projected);
+            for (k, p) in projected.iter().enumerate() {
+                while self.offsets[particle + 1] as usize <= at + k {
+                    particle += 1;
+                }
+                out[particle - first] += Vec3A::from(self.rest[constraint(k)].pull(slots[k] as usize % N, p));
             }
         }
     }
