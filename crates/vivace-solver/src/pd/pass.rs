@@ -182,3 +182,45 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N
         sum(0..self.particles.len(), &of)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vivace_mesh::beam;
+    use vivace_model::ModelBuilder;
+
+    use super::*;
+
+    /// However many particles at a time, and also where their constraints are more than are projected at once.
+    #[test]
+    fn fused_is_bitwise_projected_then_pulled() {
+        let mesh = beam::regular([5, 3, 3], 0.1).unwrap();
+        let mut builder = ModelBuilder::new();
+        builder.volume(&mesh, 1000.0).unwrap();
+        builder.tet_strain(0, mesh.tets(), 1e4).unwrap();
+        builder.tet_volume(0, mesh.tets(), 1e4, [0.9, 1.1]).unwrap();
+        builder.pin(3).unwrap();
+        let (model, state) = builder.build().unwrap();
+        let layout = Layout::new(&model, &model.graph().unwrap(), &[]).unwrap();
+        let mut q = Points::zeros(model.n_particles());
+        for (slot, &particle) in layout.order.iter().enumerate() {
+            let k = particle as f32;
+            let shift = Vec3::new((12.9 * k).sin(), (78.2 * k).sin(), (37.7 * k).sin());
+            q.set(slot, (state.positions[particle as usize] + 0.05 * shift).into());
+        }
+        let mut passes = Passes::of(&model, &layout).unwrap();
+        assert_eq!(passes.len(), 2);
+        for pass in &mut passes {
+            pass.project(&q);
+            for n in [1, 3, 8, layout.n_free] {
+                for first in (0..layout.n_free).step_by(n) {
+                    let range = first..(first + n).min(layout.n_free);
+                    let [mut projected, mut fused] = [(); 2].map(|()| vec![Vec3A::ZERO; range.len()]);
+                    pass.pull_projected(range.clone(), &mut projected);
+                    pass.pull_fused(range.clone(), &q, &mut fused);
+                    assert_eq!(fused, projected, "{range:?}");
+                    assert!(fused.iter().all(|pull| pull.length() > 0.0), "{range:?}");
+                }
+            }
+        }
+    }
+}
