@@ -8,7 +8,7 @@
 //! (1−J) − Kμ − (2+J)Iμ² − (1+J)(4+J)μ³ + (I²−2K)μ⁴ + (4+J)Iμ⁵ + (6+5J)μ⁶ − Kμ⁷ − 2Iμ⁸ − (4−J)μ⁹ + μ¹² = 0,
 //! ```
 //!
-//! whose root nearest to 0 on the side of 1 − J Newton's method finds between bounds. P then is linear in F: with D = P − F, cof P = D/μ
+//! whose root nearest to 0 on the side of 1 − J Newton's method finds between bounds. Then P solves a linear equation: with D = P − F, cof P = D/μ
 //! and cof D = μ² P, so cof (F + D) = cof F + F×D + cof D gives (1−μ³) D − μ F×D = μ cof F + μ³ F. Here (F×D)_i = σ_j d_k + σ_k d_j,
 //! which takes F to 2 cof F, cof F to F(I − FᵀF), and that to I cof F + J F: D is a sum of these three.
 
@@ -88,16 +88,13 @@ fn at_edge(f: [f32; 9], [xx, yy, zz, yz, zx, xy]: [f32; 6], det: f32, edge: f32)
 
     let (m2, m3) = (mu * mu, mu * mu * mu);
     let kappa = 1.0 - m3;
-    // Π (1 − μ² s²): the three factors are positive if and only if it and their other symmetric functions are.
+    // Π (1 − μ² s²), which is 0 where P is one of several.
     let margin = (kappa * (kappa * kappa - m2 * i) - 2.0 * m3 * j) / (1.0 + m3);
-    let cofactors = (1.0 - j + m2 * i + 5.0 * m3) / (1.0 + m3);
-    let squares = i + 6.0 * mu - mu * cofactors;
-    let is_nearest =
-        (margin > 0.0) & (3.0 - m2 * squares > 0.0) & (3.0 - 2.0 * m2 * squares + m3 * cofactors > 0.0);
-    let is_root = (change * change * (1.0 + i) < 1e-7) & (slope < 0.0);
-    // Rounding moves the root by (1 + |J|)/slope ε, and that moves P by √(1 + K)/margin: to be small beside ‖P‖.
-    let (firm, loose) = (slope * margin, 1.0 + j.abs());
-    let is_firm = firm * firm * (3.0 + i) > LEAST_FIRM * (loose * loose * (1.0 + k));
+    let is_root = change * change * (1.0 + i) < 1e-7;
+    // Rounding moves the root by (1 + |J|)/slope ε, and that moves P by √(1 + K)/margin: to be small beside ‖P‖. Where the polynomial
+    // rises is another root.
+    let (firm, loose) = (-slope * margin, 1.0 + j.abs());
+    let is_firm = firm * firm.abs() * (3.0 + i) > LEAST_FIRM * (loose * loose * (1.0 + k));
 
     let c = m2 / margin;
     let a = 1.0 + c * i + (m3 + mu * j * c) / kappa;
@@ -113,7 +110,7 @@ fn at_edge(f: [f32; 9], [xx, yy, zz, yz, zx, xy]: [f32; 6], det: f32, edge: f32)
         f[1] * zx + f[4] * yz + f[7] * zz,
         f[2] * zx + f[5] * yz + f[8] * zz,
     ];
-    (std::array::from_fn(|n| a * f[n] + b * cof[n] - c * cubed[n]), is_nearest & is_root & is_firm)
+    (std::array::from_fn(|n| a * f[n] + b * cof[n] - c * cubed[n]), is_root & is_firm)
 }
 
 /// Below this P is nearly one of several, or μ nearly one of several roots.

@@ -92,16 +92,11 @@ fn of_determinant(f: mat3x3<f32>, det: f32, edge: f32) -> OfDeterminant {
     let m3 = mu * mu * mu;
     let kappa = 1.0 - m3;
     let margin = (kappa * (kappa * kappa - m2 * i) - 2.0 * m3 * j) / (1.0 + m3);
-    let cofactors = (1.0 - j + m2 * i + 5.0 * m3) / (1.0 + m3);
-    let squares = i + 6.0 * mu - mu * cofactors;
-    let is_nearest = margin > 0.0
-        && 3.0 - m2 * squares > 0.0
-        && 3.0 - 2.0 * m2 * squares + m3 * cofactors > 0.0;
-    let is_root = found.change * found.change * (1.0 + i) < 1e-7f && found.slope < 0.0;
-    let firm = found.slope * margin;
+    let is_root = found.change * found.change * (1.0 + i) < 1e-7f;
+    let firm = -found.slope * margin;
     let loose = 1.0 + abs(j);
-    let is_firm = firm * firm * (3.0 + i) > LEAST_FIRM * (loose * loose * (1.0 + k));
-    if !(is_nearest && is_root && is_firm) {
+    let is_firm = firm * abs(firm) * (3.0 + i) > LEAST_FIRM * (loose * loose * (1.0 + k));
+    if !(is_root && is_firm) {
         return OfDeterminant(f, false);
     }
     let c = m2 / margin;

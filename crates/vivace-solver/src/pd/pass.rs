@@ -197,7 +197,9 @@ mod tests {
         let mut builder = ModelBuilder::new();
         builder.volume(&mesh, 1000.0).unwrap();
         builder.tet_strain(0, mesh.tets(), 1e4).unwrap();
-        builder.tet_volume(0, mesh.tets(), 1e4, [0.9, 1.1]).unwrap();
+        let (some, others) = mesh.tets().split_at(100);
+        builder.tet_volume(0, some, 1e4, [0.9, 1.1]).unwrap();
+        builder.tet_volume(0, others, 1e4, [1.0, 1.0]).unwrap();
         builder.pin(3).unwrap();
         let (model, state) = builder.build().unwrap();
         let layout = Layout::new(&model, &model.graph().unwrap(), &[]).unwrap();
