@@ -16,6 +16,8 @@ mod shader;
 pub mod coloring;
 #[path = "constraint/mod.rs"]
 pub mod constraint;
+#[path = "common/determinant.rs"]
+mod determinant;
 #[path = "common/lanes.rs"]
 pub mod lanes;
 #[path = "linear/mod.rs"]

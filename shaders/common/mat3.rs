@@ -3,7 +3,7 @@
 //! [`svd`] is a one-sided Jacobi iteration (Hestenes 1958): it works on F itself and not on FᵀF, so that small singular values
 //! keep their digits. [`rotation`] is the scaled Newton iteration for the polar factor (Higham 1986), a fixed number of steps
 //! without a branch, on a matrix of the same rotation that is neither flat nor inverted, as long as F has one nearest rotation; what
-//! that does not settle goes to [`svd`].
+//! that does not settle goes to [`svd`]. [`eight_at_a_time`] runs such a function over many matrices.
 
 use glam::{Mat3, Vec3};
 
@@ -95,29 +95,42 @@ pub fn rotation(f: Mat3) -> Mat3 {
     if is_rotation { Mat3::from_cols_array(&x) } else { rotation_by_svd(f) }
 }
 
-/// Matrices that [`rotations`] takes at a time.
-const LANES: usize = 8;
+/// Matrices that are taken at a time.
+pub(crate) const LANES: usize = 8;
 
-/// [`rotation`] of each of `f`, bit for bit, in `out`; several at a time, so that the compiler may use vector instructions.
-/// What is left over in the longer of the two is ignored.
-pub fn rotations(f: &[Mat3], out: &mut [Mat3]) {
-    for (f, out) in f.chunks(LANES).zip(out.chunks_mut(LANES)) {
-        // By component, so that a lane is a matrix; lanes to spare hold F = 0.
+/// Eight matrices by component, so that a lane is a matrix: one loop over lanes around plain arithmetic vectorizes, and cannot round
+/// differently than one at a time.
+pub(crate) type Lanes9 = [[f32; LANES]; 9];
+
+/// Replaces all matrices by what `most` makes of them, eight at a time from the one of the given number on. It returns 1 for each that
+/// it has settled; the others are left to `rare`. Lanes to spare hold 0, and numbers there are beyond the last.
+pub(crate) fn eight_at_a_time(
+    all: &mut [Mat3],
+    most: impl Fn(usize, &mut Lanes9) -> [f32; LANES],
+    rare: impl Fn(usize, Mat3) -> Mat3,
+) {
+    for (k, eight) in all.chunks_mut(LANES).enumerate() {
+        let first = k * LANES;
         let mut lanes = [[0.0; LANES]; 9];
-        for (lane, f) in f.iter().enumerate() {
+        for (lane, f) in eight.iter().enumerate() {
             for (component, value) in f.to_cols_array().into_iter().enumerate() {
                 lanes[component][lane] = value;
             }
         }
-        let is_rotation = polar_lanes(&mut lanes);
-        for (lane, (f, out)) in f.iter().zip(out).enumerate() {
-            *out = if is_rotation[lane] == 1.0 {
+        let is_settled = most(first, &mut lanes);
+        for (lane, f) in eight.iter_mut().enumerate() {
+            *f = if is_settled[lane] == 1.0 {
                 Mat3::from_cols_array(&std::array::from_fn(|component| lanes[component][lane]))
             } else {
-                rotation_by_svd(*f)
+                rare(first + lane, *f)
             };
         }
     }
+}
+
+/// [`rotation`] of each, bit for bit, in its place.
+pub fn rotations(all: &mut [Mat3]) {
+    eight_at_a_time(all, |_, f| polar_lanes(f), |_, f| rotation_by_svd(f));
 }
 
 #[cold]
@@ -127,9 +140,9 @@ fn rotation_by_svd(f: Mat3) -> Mat3 {
     u * v.transpose()
 }
 
-/// [`polar`] of every lane: one loop around plain arithmetic, which vectorizes and cannot round differently. Returns 1 or 0.
+/// [`polar`] of every lane.
 #[inline(never)]
-fn polar_lanes(f: &mut [[f32; LANES]; 9]) -> [f32; LANES] {
+fn polar_lanes(f: &mut Lanes9) -> [f32; LANES] {
     let mut is_rotation = [0.0; LANES];
     for lane in 0..LANES {
         let (x, good) = polar([
@@ -214,7 +227,7 @@ fn newton(x: [f32; 9]) -> [f32; 9] {
 /// det X X⁻ᵀ, and det X.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the loop over lanes vectorizes only if this is inlined")]
-fn cofactor(x: [f32; 9]) -> ([f32; 9], f32) {
+pub(crate) fn cofactor(x: [f32; 9]) -> ([f32; 9], f32) {
     let c = [
         x[4] * x[8] - x[5] * x[7],
         x[5] * x[6] - x[3] * x[8],
@@ -232,13 +245,13 @@ fn cofactor(x: [f32; 9]) -> ([f32; 9], f32) {
 /// Σ x², by a tree of sums: one after the other they would wait for each other.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the loop over lanes vectorizes only if this is inlined")]
-fn sum_of_squares(x: [f32; 9]) -> f32 {
+pub(crate) fn sum_of_squares(x: [f32; 9]) -> f32 {
     let x = x.map(|x| x * x);
     ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7])) + x[8]
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use glam::{DMat3, DVec3, Quat};
 
     use super::*;
@@ -270,7 +283,7 @@ mod tests {
     }
 
     /// The oracle: V and σ² from a cyclic Jacobi iteration on FᵀF in f64, the rest from F V. As [`svd`] otherwise.
-    fn oracle(f: Mat3) -> (DMat3, DVec3, DMat3) {
+    pub(crate) fn oracle(f: Mat3) -> (DMat3, DVec3, DMat3) {
         let f = f.as_dmat3();
         let (mut s, mut v) = (f.transpose() * f, DMat3::IDENTITY);
         for (p, q) in [(0, 1), (0, 2), (1, 2)].into_iter().cycle().take(90) {
@@ -309,7 +322,7 @@ mod tests {
     }
 
     /// Matrices of every sort, by name; `true` if the nearest rotation is unique by a margin.
-    fn samples() -> Vec<(&'static str, Mat3, bool)> {
+    pub(crate) fn samples() -> Vec<(&'static str, Mat3, bool)> {
         let mut random = Random(7);
         let mut samples = vec![("zero", Mat3::ZERO, false), ("identity", Mat3::IDENTITY, true)];
         samples.push(("mirror", -Mat3::IDENTITY, false));
@@ -414,8 +427,8 @@ mod tests {
         for shift in 0..LANES {
             for length in [0, 1, 7, 8, 9, f.len() - shift] {
                 let (f, expected) = (&f[shift..][..length], &expected[shift..][..length]);
-                let mut out = vec![Mat3::NAN; length];
-                rotations(f, &mut out);
+                let mut out = f.to_vec();
+                rotations(&mut out);
                 let bits = |m: &[Mat3]| -> Vec<[u32; 9]> {
                     m.iter().map(|m| m.to_cols_array().map(f32::to_bits)).collect()
                 };

@@ -99,10 +99,12 @@ pub trait Constraint<const N: usize, const R: usize>: Element + std::fmt::Debug 
     /// p: the point nearest to `aq` in the set where the constraint is at rest. Finite for every finite `aq`.
     fn project(&self, aq: [Vec3; R]) -> [Vec3; R];
 
-    /// Projects the constraints `rest`, whose particles are at `corners(k)`: the local step, for kinds that are faster in bulk.
-    fn project_all(rest: &[Self], corners: impl Fn(usize) -> [Vec3; N], projected: &mut [[Vec3; R]]) {
-        for (k, (rest, projected)) in rest.iter().zip(projected).enumerate() {
-            *projected = rest.project(rest.apply(&corners(k)));
+    /// [`Constraint::project`] of several, bit for bit: A q becomes p, of the constraint `rest` of its number. For kinds that are
+    /// faster in bulk.
+    #[inline]
+    fn project_all<'a>(rest: impl Fn(usize) -> &'a Self, aq: &mut [[Vec3; R]]) {
+        for (k, aq) in aq.iter_mut().enumerate() {
+            *aq = rest(k).project(*aq);
         }
     }
 

@@ -75,8 +75,8 @@ fn check<C: Constraint<N, R>, const N: usize, const R: usize>(rest: &C, x: [Vec3
     }
 
     let many: Vec<[Vec3; N]> = (0..150).map(|_| x.map(|x| x + 0.7 * random(&mut seed))).collect();
-    let mut projected = vec![[Vec3::NAN; R]; many.len()];
-    C::project_all(&vec![*rest; many.len()], |k| many[k], &mut projected);
+    let mut projected: Vec<_> = many.iter().map(|q| rest.apply(q)).collect();
+    C::project_all(|_| rest, &mut projected);
     let (batches, _) = many.as_chunks();
     batches.iter().for_each(|batch| check_batch(rest, batch, size * size * size));
     let [a, b, c, d, ..] = degenerate(x);

@@ -4,7 +4,7 @@
 //! W = w/2 ‖F − R‖², w = stiffness × volume at rest. In linear elasticity that is ‖ε‖² times w/2: a Lamé parameter μ of half
 //! the stiffness, and λ = 0.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{Pod, Zeroable, cast_slice_mut};
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 
 use super::{APPLY, Constraint, DEVIATION};
@@ -69,19 +69,8 @@ impl Constraint<4, 3> for TetStrain {
         [r.x_axis, r.y_axis, r.z_axis]
     }
 
-    fn project_all(rest: &[Self], corners: impl Fn(usize) -> [Vec3; 4], projected: &mut [[Vec3; 3]]) {
-        const CHUNK: usize = 64;
-        let (mut f, mut r) = ([Mat3::ZERO; CHUNK], [Mat3::ZERO; CHUNK]);
-        for (chunk, (rest, projected)) in rest.chunks(CHUNK).zip(projected.chunks_mut(CHUNK)).enumerate() {
-            for (k, (rest, f)) in rest.iter().zip(&mut f).enumerate() {
-                let [x, y, z] = rest.apply(&corners(chunk * CHUNK + k));
-                *f = Mat3::from_cols(x, y, z);
-            }
-            rotations(&f[..rest.len()], &mut r);
-            for (r, projected) in r.iter().zip(projected) {
-                *projected = [r.x_axis, r.y_axis, r.z_axis];
-            }
-        }
+    fn project_all<'a>(_rest: impl Fn(usize) -> &'a Self, aq: &mut [[Vec3; 3]]) {
+        rotations(cast_slice_mut(aq));
     }
 
     /// w (I − Σ λ_k t_k t_kᵀ) for each direction of motion (Smith, de Goes and Kim 2019): F resists every change but the three

@@ -3,15 +3,16 @@
 //! A q = F, the deformation gradient (row r of A gives its column r), p = the nearest matrix with a determinant in the range:
 //! W = w/2 ‖F − p‖², w = stiffness × volume at rest. p has the U and V of F = U diag(σ) Vᵀ; its singular values s are those
 //! nearest to σ with s₀ s₁ s₂ = t, where the derivatives of ‖s − σ‖²/2 and of the product are parallel:
-//! s_i (s_i − σ_i) = m for one m.
+//! s_i (s_i − σ_i) = m for one m. Mostly p is found without them (`determinant.rs`).
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{Pod, Zeroable, cast_slice_mut};
 use glam::{Mat3, Vec3};
 use wide::f32x4;
 
 use super::{APPLY, BATCH, BLOCK, Constraint, Deviations, tet_strain::gradient};
+use crate::determinant::{self, nearest};
 use crate::lanes::{Lanes3, each};
-use crate::mat3::{self, svd};
+use crate::mat3::{self, LANES, Lanes9, eight_at_a_time, svd};
 
 /// The rest data of a tetrahedron.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -46,6 +47,37 @@ impl TetVolume {
     fn target(&self, det: f32) -> f32 {
         det.min(self.range[1]).max(self.range[0])
     }
+
+    #[cold]
+    #[inline(never)]
+    fn project_by_svd(&self, f: Mat3) -> Mat3 {
+        let det = f.x_axis.cross(f.y_axis).dot(f.z_axis);
+        let target = self.target(det);
+        if det == target {
+            return f;
+        }
+        let (u, sigma, v) = svd(f);
+        let edge = if det < target { self.edges[0] } else { self.edges[1] };
+        u * Mat3::from_diagonal(nearest_with_product(sigma, edge)) * v.transpose()
+    }
+}
+
+/// [`nearest`] of every lane, `range` and `edges` by lane.
+#[inline(never)]
+fn nearest_lanes(f: &mut Lanes9, range: &[[f32; LANES]; 2], edges: &[[f32; LANES]; 2]) -> [f32; LANES] {
+    let mut is_settled = [0.0; LANES];
+    for lane in 0..LANES {
+        let of_lane = [
+            f[0][lane], f[1][lane], f[2][lane], f[3][lane], f[4][lane], f[5][lane], f[6][lane], f[7][lane],
+            f[8][lane],
+        ];
+        let (p, good) = nearest(of_lane, [range[0][lane], range[1][lane]], [edges[0][lane], edges[1][lane]]);
+        for component in 0..9 {
+            f[component][lane] = p[component];
+        }
+        is_settled[lane] = if good { 1.0 } else { 0.0 };
+    }
+    is_settled
 }
 
 /// The values nearest to `sigma` (of the order and signs of [`svd`]) whose product is that of a cube of this `edge` > 0.
@@ -89,7 +121,8 @@ fn nearest_with_product(sigma: Vec3, edge: f32) -> Vec3 {
 
 impl Constraint<4, 3> for TetVolume {
     const NAME: &'static str = "tet_volume";
-    const WGSL: &'static [&'static str] = &[mat3::WGSL, APPLY, BLOCK, include_str!("tet_volume.wgsl")];
+    const WGSL: &'static [&'static str] =
+        &[mat3::WGSL, determinant::WGSL, APPLY, BLOCK, include_str!("tet_volume.wgsl")];
     type Multiplier = f32;
 
     #[inline]
@@ -102,16 +135,26 @@ impl Constraint<4, 3> for TetVolume {
         self.columns[slot]
     }
 
-    fn project(&self, f: [Vec3; 3]) -> [Vec3; 3] {
-        let det = f[0].cross(f[1]).dot(f[2]);
-        let target = self.target(det);
-        if det == target {
-            return f;
-        }
-        let (u, sigma, v) = svd(Mat3::from_cols(f[0], f[1], f[2]));
-        let edge = if det < target { self.edges[0] } else { self.edges[1] };
-        let p = u * Mat3::from_diagonal(nearest_with_product(sigma, edge)) * v.transpose();
+    fn project(&self, [x, y, z]: [Vec3; 3]) -> [Vec3; 3] {
+        let f = Mat3::from_cols(x, y, z);
+        let (p, is_settled) = nearest(f.to_cols_array(), self.range, self.edges);
+        let p = if is_settled { Mat3::from_cols_array(&p) } else { self.project_by_svd(f) };
         [p.x_axis, p.y_axis, p.z_axis]
+    }
+
+    fn project_all<'a>(rest: impl Fn(usize) -> &'a Self, aq: &mut [[Vec3; 3]]) {
+        let n = aq.len();
+        let most = |first: usize, f: &mut Lanes9| {
+            let (mut range, mut edges) = ([[1.0; LANES]; 2], [[1.0; LANES]; 2]);
+            for lane in 0..LANES.min(n - first) {
+                let rest = rest(first + lane);
+                for side in 0..2 {
+                    (range[side][lane], edges[side][lane]) = (rest.range[side], rest.edges[side]);
+                }
+            }
+            nearest_lanes(f, &range, &edges)
+        };
+        eight_at_a_time(cast_slice_mut(aq), most, |k, f| rest(k).project_by_svd(f));
     }
 
     /// C = (det F − t)/√3, t the nearest determinant in the range, whose gradients are cross products of edges and need no singular
@@ -152,6 +195,8 @@ const SCALE: f32 = 0.577_350_26;
 
 #[cfg(test)]
 mod tests {
+    use glam::{DMat3, DVec3};
+
     use super::*;
 
     const REST: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
@@ -220,6 +265,87 @@ mod tests {
             ] {
                 let p = tet.project(f.map(|f| f * scale));
                 assert!(p.iter().all(|p| p.is_finite()), "{scale} {f:?} {p:?}");
+            }
+        }
+    }
+
+    /// What [`TetVolume::project`] must give, in f64 by bisection, and how far the nearest is from being one of several: 1 at
+    /// rest, 0 where it is.
+    fn oracle(f: Mat3, target: f64) -> (DMat3, f64, DVec3) {
+        let (u, sigma, v) = mat3::tests::oracle(f);
+        let larger = |x: f64, sigma: f64, least: f64| {
+            0.5 * (sigma + (sigma * sigma + 4.0 * x * (x - least)).max(0.0).sqrt())
+        };
+        let at = |x: f64| DVec3::new(larger(x, sigma.x, sigma.z), larger(x, sigma.y, sigma.z), x);
+        let is_large = sigma.element_product() > target;
+        let (mut low, mut high) = if is_large { (0.0, sigma.z) } else { (sigma.z.max(0.0), target.cbrt()) };
+        for _ in 0..200 {
+            let x = 0.5 * (low + high);
+            (low, high) = if at(x).element_product() > target { (low, x) } else { (x, high) };
+        }
+        let s = at(high);
+        let mu = (s.z - sigma.z) / (s.x * s.y);
+        (u * DMat3::from_diagonal(s) * v.transpose(), 1.0 - (mu * s.x).abs(), s)
+    }
+
+    #[test]
+    fn projection_is_nearest() {
+        let mut worst = 0.0_f64;
+        let largest = |m: DMat3| m.to_cols_array().into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        for (what, f, _) in mat3::tests::samples().into_iter().filter(|(what, ..)| *what != "scaled") {
+            for (f, t) in [(f, 1.0), (f, 0.3), (1.5 * f, 1.0), (40.0 * f, 2.0)] {
+                let tet = TetVolume::rest(REST, 6.0, [t, t]).unwrap();
+                let p = tet.project([f.x_axis, f.y_axis, f.z_axis]).map(Vec3::as_dvec3);
+                let p = DMat3::from_cols(p[0], p[1], p[2]);
+                let (expected, margin, s) = oracle(f, f64::from(t));
+                let scale = s.x;
+                let longer = distance(p, f) - distance(expected, f);
+                assert!(longer < 4e-6 * scale, "{what}: {f} {t} {longer}");
+                let off = (p.determinant() - f64::from(t)).abs() / (s.x * s.x * s.y);
+                assert!(off < 1e-5, "{what}: {f} {t} {off}");
+                let error = largest(p - expected) / scale;
+                worst = worst.max(error * margin);
+                assert!(error * margin < 4e-6, "{what}: {f} {t} {error} {margin}");
+                assert!(margin < 0.2 || error < 5e-6, "{what}: {f} {t} {error} {margin}");
+            }
+        }
+        println!("largest error {worst:e} over the margin");
+    }
+
+    fn distance(p: DMat3, f: Mat3) -> f64 {
+        (p - f.as_dmat3()).to_cols_array().into_iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// The way without singular values settles nearly all that has one nearest matrix.
+    #[test]
+    fn hardly_anything_needs_singular_values() {
+        let (mut n, mut n_left) = (0, 0);
+        for (what, f, _) in mat3::tests::samples() {
+            if what != "scaled" && oracle(f, 1.0).1 > 0.5 {
+                n += 1;
+                n_left += usize::from(!nearest(f.to_cols_array(), [1.0; 2], [1.0; 2]).1);
+            }
+        }
+        println!("{n_left} of {n}");
+        assert!(n > 5_000 && n_left * 100 < n, "{n_left} of {n}");
+    }
+
+    /// Each with a range of its own; many are inside it.
+    #[test]
+    fn in_bulk_is_bitwise_one_at_a_time() {
+        let f: Vec<[Vec3; 3]> =
+            mat3::tests::samples().into_iter().map(|(_, f, _)| [f.x_axis, f.y_axis, f.z_axis]).collect();
+        let ranges = [[1.0, 1.0], [0.9, 1.2], [0.01, 0.5], [0.3, 0.3], [1e-6, 1e6]];
+        let rests = ranges.map(|range| TetVolume::rest(REST, 6.0, range).unwrap());
+        let bits = |p: [Vec3; 3]| p.map(|p| p.to_array().map(f32::to_bits));
+        for shift in 0..LANES {
+            for length in [0, 1, 7, 8, 9, f.len() - shift] {
+                let mut p = f[shift..][..length].to_vec();
+                TetVolume::project_all(|k| &rests[k % rests.len()], &mut p);
+                for (k, p) in p.into_iter().enumerate() {
+                    let expected = rests[k % rests.len()].project(f[shift + k]);
+                    assert_eq!(bits(p), bits(expected), "{shift} {k}: {:?}", f[shift + k]);
+                }
             }
         }
     }

@@ -70,13 +70,18 @@ fn nearest_with_product(given: vec3<f32>, edge: f32) -> vec3<f32> {
 }
 
 fn project(rest: Rest, aq: array<vec3<f32>, R>) -> array<vec3<f32>, R> {
-    let det = dot3(cross3(aq[0], aq[1]), aq[2]);
+    let f = mat3x3(aq[0], aq[1], aq[2]);
+    let det = stable_determinant(f);
     let nearest = nearest_det(rest, det);
     if det == nearest {
         return aq;
     }
-    let s = svd(mat3x3(aq[0], aq[1], aq[2]));
     let edge = select(rest.edges[1], rest.edges[0], det < nearest);
+    let found = of_determinant(f, det, edge);
+    if found.is_settled {
+        return array(found.p[0], found.p[1], found.p[2]);
+    }
+    let s = svd(f);
     let sigma = nearest_with_product(s.sigma, edge);
     let p = product(mat3x3(s.u[0] * sigma.x, s.u[1] * sigma.y, s.u[2] * sigma.z), transpose(s.v));
     return array(p[0], p[1], p[2]);

@@ -14,7 +14,7 @@ fn bars_and_tables_are_written() {
             bar: [4, 2, 2],
             runs: 1,
             frames_before: 1,
-            budgets: vec![8.0, 25.0],
+            budgets: vec![89.0, 278.0],
             animation: 10,
             drape: 2,
             stability: (3, vec![1, 4], vec![10.0]),
@@ -28,7 +28,7 @@ fn bars_and_tables_are_written() {
     assert!(finished.page.exists() && folder.path().join("report.json").exists());
 
     let head = include_str!("../src/bench_simulation/mod.rs");
-    for name in ["times", "frames", "winners", "animation", "stability", "bars"] {
+    for name in ["times", "frames", "winners", "animation", "drape", "stability", "bars"] {
         let file = format!("simulation-{name}.csv");
         let csv = std::fs::read_to_string(folder.path().join(&file)).unwrap();
         for column in csv.lines().next().unwrap().split(',') {
@@ -42,7 +42,7 @@ fn bars_and_tables_are_written() {
     let has_rapier = cfg!(feature = "rapier");
     for row in finished.bars.rows.iter().filter(asked) {
         let is_known = has_rapier || !row[0].shown().contains("rapier3d");
-        assert_eq!(matches!(row[3], Value::Flag(_)), is_known, "{row:?}");
+        assert_eq!(matches!(row[5], Value::Flag(_)), is_known, "{row:?}");
     }
     for table in [&finished.times, &finished.winners, &finished.animation] {
         let is_rival = |value: &Value| value.shown().contains("rapier3d");
@@ -50,6 +50,6 @@ fn bars_and_tables_are_written() {
     }
     let stability = finished.bars.rows.iter().filter(|row| row[0].shown().starts_with("stability"));
     for row in stability.filter(asked) {
-        assert_eq!(row[3], Value::Flag(true), "{row:?}");
+        assert_eq!(row[5], Value::Flag(true), "{row:?}");
     }
 }

@@ -169,7 +169,6 @@ pub fn flag(n: usize) -> Scene {
         },
         time_step: 1.0 / 60.0,
         collisions: Some(Collisions { self_collision: false, ..Collisions::new(0.4 * spacing, vec![floor]) }),
-        ..Scene::default()
     }
 }
 

@@ -77,7 +77,7 @@ fn on_a_linear_system_it_is_the_spectral_radius() {
 /// The answer is that of the same number given: the iterations before it have left nothing behind, on the host as in kernels.
 #[test]
 fn it_is_as_if_it_had_been_given() {
-    as_if_it_had_been_given(|model, solver| System::new(model, solver));
+    as_if_it_had_been_given(System::new);
     as_if_it_had_been_given(|model, solver| System::on(model, solver, Cpu::new()));
 }
 

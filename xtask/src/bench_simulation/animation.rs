@@ -6,10 +6,9 @@ use glam::Vec3;
 use rayon::ThreadPool;
 use vivace_solver::{Budget, Forces, Relaxation, Solver, SolverError, State, System};
 
-use super::plain::Plain;
-use super::scenes::{self, STEP};
+use super::scenes;
 use super::sweeps::{blocks, gauss_seidel, position_based};
-use super::times::{Reading, Times};
+use super::times::{Clock, OverPlain, Times};
 use super::{Pools, Sizes};
 use crate::figures::FigureError;
 use crate::report::{Table, Value};
@@ -19,10 +18,8 @@ pub(super) struct Animation {
     pub(super) setting: String,
     /// Steps per second.
     pub(super) rate: u32,
-    /// Time per 1/60 s \[ms\].
-    pub(super) ms: Reading,
-    /// The same over PLAIN.
-    pub(super) over_plain: Reading,
+    /// Time per 1/60 s.
+    pub(super) times: OverPlain,
     /// Mean strain of the edges at the end \[1\]; infinite if it diverged.
     pub(super) strain: f64,
 }
@@ -74,6 +71,21 @@ impl Running {
     pub(super) fn new(name: String, rate: u32, body: impl Animated + 'static) -> Self {
         Self { name, rate, body: Box::new(body), is_lost: false }
     }
+
+    /// Times of the frames of a turn, per 1/60 s \[ms\]; none any more once it has diverged.
+    fn turn(&mut self, pool: &ThreadPool) -> Result<Vec<f64>, FigureError> {
+        let mut all = Vec::new();
+        for _ in 0..TURN * self.rate / 60 {
+            if self.is_lost {
+                break;
+            }
+            match self.body.step(pool, 1.0 / self.rate as f32)? {
+                Some(ms) => all.push(ms * f64::from(self.rate) / 60.0),
+                None => self.is_lost = true,
+            }
+        }
+        Ok(all)
+    }
 }
 
 /// Frames that one setting runs before the next has its turn: caches are its own after the first.
@@ -113,10 +125,13 @@ fn settings() -> Vec<(String, u32, u32, Solver, bool)> {
 }
 
 /// Animates all settings in turns.
-pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Animation>, FigureError> {
+pub(super) fn measure(
+    sizes: &Sizes,
+    pools: &Pools,
+    clock: &mut Clock,
+) -> Result<Vec<Animation>, FigureError> {
     let (model, start) = scenes::cloth(sizes.cloths[0], 100.0, true)?;
     let (springs, _) = scenes::cloth(sizes.cloths[0], 100.0, false)?;
-    let mut plain = Plain::new(&model, STEP)?;
     let mut running = Vec::new();
     for (name, rate, iterations, solver, is_bending) in settings() {
         let model = if is_bending { &model } else { &springs };
@@ -127,26 +142,17 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Animation>, Fi
     running.extend(super::rapier::animations(&model, &start));
     let mut times = Times::default();
     for _ in 0..sizes.animation.div_ceil(TURN) {
-        times.push(Times::PLAIN.0, Times::PLAIN.1, 1, plain.time());
         for one in &mut running {
             let key = format!("{} {}", one.name, one.rate);
-            for _ in 0..TURN * one.rate / 60 {
-                if one.is_lost {
-                    break;
-                }
-                match one.body.step(&pools.one, 1.0 / one.rate as f32)? {
-                    Some(ms) => times.push("A", &key, 1, ms * f64::from(one.rate) / 60.0),
-                    None => one.is_lost = true,
-                }
-            }
+            let (ms, plain) = clock.around(|| one.turn(&pools.one));
+            ms?.into_iter().for_each(|ms| times.push("A", &key, 1, ms, plain));
         }
     }
     let finished = |one: Running| {
         let key = format!("{} {}", one.name, one.rate);
         let strain = scenes::mean_strain(&model, &one.body.positions());
         Animation {
-            ms: times.ms("A", &key, 1),
-            over_plain: times.ratio("A", &key, 1),
+            times: times.of("A", &key, 1),
             strain: if one.is_lost { f64::INFINITY } else { strain },
             setting: one.name,
             rate: one.rate,
@@ -157,16 +163,17 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Animation>, Fi
 
 /// A row for each setting.
 pub(super) fn table(all: &[Animation]) -> Table {
-    let columns = ["setting", "rate", "ms", "ms_min", "over_plain", "over_plain_min", "strain"];
+    let columns = ["setting", "rate", "ms", "over_plain", "over_plain_q1", "over_plain_q3", "strain"];
     let mut table = Table::new("Animation of A: time per 1/60 s, mean strain at the end", &columns);
     for one in all {
+        let ratio = &one.times.ratio;
         let row: [Value; 7] = [
             one.setting.as_str().into(),
             one.rate.into(),
-            one.ms.median.into(),
-            one.ms.least.into(),
-            one.over_plain.median.into(),
-            one.over_plain.least.into(),
+            one.times.ms.median().into(),
+            ratio.median().into(),
+            ratio.quantile(0.25).into(),
+            ratio.quantile(0.75).into(),
             one.strain.into(),
         ];
         table.push(row);

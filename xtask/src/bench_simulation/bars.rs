@@ -1,4 +1,5 @@
-//! The bars that the project holds itself to.
+//! The bars that the project holds itself to. Those that were set in milliseconds are multiples of PLAIN, which took 0.09 ms where they
+//! were set.
 
 use super::WITH_RAPIER;
 use super::animation::Animation;
@@ -6,8 +7,13 @@ use super::drape::{self, Drape};
 use super::frames::{self, Kind, Left};
 use super::stability::{self, Fastest};
 use super::sweeps::{Bandwidth, SUBSTEP, SWEEP};
-use super::times::{Reading, Times};
+use super::times::{OverPlain, Reading, Times};
 use crate::report::{Table, Value};
+
+/// Budgets that errors are asked for: 8 and 25 ms where PLAIN takes 0.09 ms \[PLAIN\].
+pub(super) const SHORT: f64 = 89.0;
+/// See [`SHORT`].
+pub(super) const LONG: f64 = 278.0;
 
 /// No particle of a cloth that hangs together is ever as fast \[m/s\].
 const FAST: f64 = 100.0;
@@ -35,7 +41,7 @@ enum Asked {
 /// A row for each bar, those that have none of their own to judge them left out.
 pub(super) fn judge(measured: &Measured<'_>) -> Table {
     let mut judge =
-        Judge { table: Table::new("Bars", &["bar", "asked", "reached", "met", "by_median"]), measured };
+        Judge { table: Table::new("Bars", &["bar", "asked", "reached", "q1", "q3", "met", "ms"]), measured };
     judge.sweeps();
     judge.others();
     judge.tets();
@@ -53,21 +59,41 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn push(&mut self, bar: &str, asked: Asked, reached: Reading) {
-        if reached.least.is_nan() {
+    /// What has no time of its own.
+    fn push(&mut self, bar: &str, asked: Asked, reached: &Reading) {
+        self.push_row(bar, asked, reached, None);
+    }
+
+    /// Over PLAIN, and in ms beside.
+    fn push_time(&mut self, bar: &str, asked: Asked, reached: &OverPlain) {
+        self.push_row(&format!("{bar}, over PLAIN"), asked, &reached.ratio, Some(&reached.ms));
+    }
+
+    fn push_row(&mut self, bar: &str, asked: Asked, reached: &Reading, ms: Option<&Reading>) {
+        if reached.is_empty() {
             return;
         }
+        let median = reached.median();
         let (shown, met) = match asked {
-            Asked::AtMost(limit) => (format!("at most {limit}"), Some(reached.least <= limit + 1e-9)),
-            Asked::AtLeast(limit) => (format!("at least {limit}"), Some(reached.least >= limit - 1e-9)),
+            Asked::AtMost(limit) => (format!("at most {limit}"), Some(median <= limit + 1e-9)),
+            Asked::AtLeast(limit) => (format!("at least {limit}"), Some(median >= limit - 1e-9)),
             Asked::Nothing => (String::new(), None),
         };
-        self.table.push([bar.into(), shown.into(), reached.least.into(), met.into(), reached.median.into()]);
+        let quartile = |q: f64| Value::from((reached.len() > 1).then(|| reached.quantile(q)));
+        self.table.push([
+            bar.into(),
+            shown.into(),
+            median.into(),
+            quartile(0.25),
+            quartile(0.75),
+            met.into(),
+            ms.map(Reading::median).into(),
+        ]);
     }
 
     fn sweeps(&mut self) {
         let times = self.measured.times;
-        self.push("plain sweep of A (PLAIN) [ms]", Asked::Nothing, times.plain());
+        self.push("plain sweep of A (PLAIN) [ms]", Asked::Nothing, &times.plain().ms);
         let bars = [
             ("PD fused", Asked::AtMost(1.1)),
             ("PD blocks", Asked::AtMost(3.0)),
@@ -78,43 +104,44 @@ impl Judge<'_> {
             ("PD direct", Asked::Nothing),
         ];
         for (task, asked) in bars {
-            self.push(&format!("A, {task}, over PLAIN"), asked, times.ratio("A", task, 1));
+            self.push_time(&format!("A, {task}"), asked, &times.of("A", task, 1));
         }
         for n in [10, 50] {
-            let plain = times.ms("A", &format!("SOR of {n} iterations"), 1);
-            let safe = times.ms("A", &format!("SOR of {n} iterations, safeguard"), 1);
-            let more = safe.with(plain, |safe, plain| safe / plain - 1.0);
-            self.push(&format!("A, what the safeguard adds to {n} iterations"), Asked::Nothing, more);
+            let plain = times.of("A", &format!("SOR of {n} iterations"), 1).ratio;
+            let safe = times.of("A", &format!("SOR of {n} iterations, safeguard"), 1).ratio;
+            let more = safe.with(&plain, |safe, plain| safe / plain - 1.0);
+            self.push(&format!("A, what the safeguard adds to {n} iterations"), Asked::Nothing, &more);
         }
-        let share = times
-            .ms("A", "PD split", 1)
-            .with(times.ms("A", "PD linear sweep", 1), |all, sweep| (all - sweep) / all);
-        self.push("A, share of the local step in PD split", Asked::Nothing, share);
+        let sweep = times.of("A", "PD linear sweep", 1).ratio;
+        let share = times.of("A", "PD split", 1).ratio.with(&sweep, |all, sweep| (all - sweep) / all);
+        self.push("A, share of the local step in PD split", Asked::Nothing, &share);
     }
 
     /// Beside what others do with the same.
     fn others(&mut self) {
         let times = self.measured.times;
-        let ours = |task| times.ms("A", task, 1);
-        let local = ours("PD split").with(ours("PD linear sweep"), |all, sweep| all - sweep);
-        let solve = ours("PD direct").with(local, |all, local| all - local);
-        let over_faer = solve.with(ours("faer, solve"), |ours, faer| ours / faer);
+        let of = |task| times.of("A", task, 1).ratio;
+        let local = of("PD split").with(&of("PD linear sweep"), |all, sweep| all - sweep);
+        let solve = of("PD direct").with(&local, |all, local| all - local);
+        let over_faer = solve.with(&of("faer, solve"), |ours, faer| ours / faer);
         self.push(
             "A, PD direct without its local step, over faer's own solve in f32",
             Asked::AtMost(1.2),
-            over_faer,
+            &over_faer,
         );
         if cfg!(feature = "rapier") {
-            let over = |rival, task| times.ms("A", rival, 1).with(ours(task), |rival, ours| rival / ours);
+            let over = |rival, task| of(rival).with(&of(task), |rival, ours| rival / ours);
             let bar = "A, rapier3d's substep of one sweep over PD fused";
-            self.push(bar, Asked::AtLeast(10.0), over(SUBSTEP, "PD fused"));
+            self.push(bar, Asked::AtLeast(10.0), &over(SUBSTEP, "PD fused"));
             let bar = "A, rapier3d's further sweep, directions frozen, over PD linear sweep";
-            self.push(bar, Asked::Nothing, over(SWEEP, "PD linear sweep"));
+            self.push(bar, Asked::Nothing, &over(SWEEP, "PD linear sweep"));
         } else {
             let bar = format!("A, rapier3d over PD fused: run {WITH_RAPIER} bench-simulation");
             self.table.push([
                 bar.into(),
                 "at least 10".into(),
+                Value::Missing,
+                Value::Missing,
                 Value::Missing,
                 Value::Missing,
                 Value::Missing,
@@ -124,26 +151,29 @@ impl Judge<'_> {
 
     fn tets(&mut self) {
         let times = self.measured.times;
-        let xpbd = times.ratio("B", "XPBD edges and volume", 1);
-        self.push("B, XPBD edges and volume, over PLAIN", Asked::AtMost(9.0), xpbd);
-        self.push("B, PD strain, split, over PLAIN", Asked::Nothing, times.ratio("B", "PD strain, split", 1));
-        self.push("B, PD strain, fused, over PLAIN", Asked::Nothing, times.ratio("B", "PD strain, fused", 1));
+        for (task, asked) in [
+            ("XPBD edges and volume", Asked::AtMost(9.0)),
+            ("PD strain, split", Asked::Nothing),
+            ("PD strain, fused", Asked::Nothing),
+        ] {
+            self.push_time(&format!("B, {task}"), asked, &times.of("B", task, 1));
+        }
         let scale = 55_000.0 / self.measured.n_tets.max(1) as f64;
         let local = |kind: &str, how: &str, n_threads| {
-            let sweep = times.ms("B", &format!("PD {kind}, linear sweep"), n_threads);
-            let split = times.ms("B", &format!("PD {kind}, split{how}"), n_threads);
-            split.with(sweep, |all, sweep| (all - sweep) * scale)
+            let sweep = times.of("B", &format!("PD {kind}, linear sweep"), n_threads);
+            let split = times.of("B", &format!("PD {kind}, split{how}"), n_threads);
+            split.with(&sweep, |all, sweep| (all - sweep) * scale)
         };
-        for (kind, how, asked) in [
-            ("strain", "", Asked::AtMost(3.0)),
-            ("strain", ", stretched", Asked::AtMost(3.0)),
-            ("volume", ", stretched", Asked::Nothing),
-        ] {
+        // 3 ms.
+        let most = Asked::AtMost(33.0);
+        for (kind, how, asked) in
+            [("strain", "", most), ("strain", ", stretched", most), ("volume", ", stretched", Asked::Nothing)]
+        {
             let bar = format!("B, local step of 55K tetrahedra, {kind}{how}, gathered");
-            self.push(&format!("{bar}, 1 thread [ms]"), asked, local(kind, how, 1));
+            self.push_time(&format!("{bar}, 1 thread"), asked, &local(kind, how, 1));
             if self.measured.n_threads > 1 {
                 let n = self.measured.n_threads;
-                self.push(&format!("{bar}, {n} threads [ms]"), Asked::Nothing, local(kind, how, n));
+                self.push_time(&format!("{bar}, {n} threads"), Asked::Nothing, &local(kind, how, n));
             }
         }
     }
@@ -161,18 +191,17 @@ impl Judge<'_> {
                 ("large cloth", "PD linear sweep", Asked::Nothing),
             ];
             for (workload, task, asked) in bars {
-                let many = times.ms(workload, task, n_threads);
-                let gain = times.ms(workload, task, 1).with(many, |one, many| one / many);
-                self.push(&format!("{workload}, {task}: times faster on {n_threads} threads"), asked, gain);
+                let many = times.of(workload, task, n_threads).ratio;
+                let gain = times.of(workload, task, 1).ratio.with(&many, |one, many| one / many);
+                self.push(&format!("{workload}, {task}: times faster on {n_threads} threads"), asked, &gain);
             }
         }
         for of in bandwidth {
             let n = of.n_threads;
-            let copy = Reading::one(of.copy);
-            self.push(&format!("copy, {n} threads [GB/s]"), Asked::Nothing, copy);
-            let share = of.sweep.with(copy, |sweep, copy| sweep / copy);
+            self.push(&format!("copy, {n} threads [GB/s]"), Asked::Nothing, &Reading::one(of.copy));
+            let share = of.sweep.map(|sweep| sweep / of.copy);
             let bar = format!("huge cloth, linear sweep: share of the copy's bandwidth, {n} threads");
-            self.push(&bar, Asked::AtLeast(0.6), share);
+            self.push(&bar, Asked::AtLeast(0.6), &share);
         }
     }
 
@@ -184,39 +213,38 @@ impl Judge<'_> {
                 || worst.iter().any(|worst| worst.setting == left.name() && worst.n_fast == 0)
         };
         let bars = [
-            (Kind::Relaxation, 8.0, Asked::AtMost(0.93)),
-            (Kind::Relaxation, 25.0, Asked::AtMost(0.82)),
-            (Kind::Direct, 8.0, Asked::AtMost(0.31)),
-            (Kind::Direct, 25.0, Asked::AtMost(0.21)),
-            (Kind::Rival, 8.0, Asked::Nothing),
-            (Kind::Rival, 25.0, Asked::Nothing),
+            (Kind::Relaxation, SHORT, Asked::AtMost(0.93)),
+            (Kind::Relaxation, LONG, Asked::AtMost(0.82)),
+            (Kind::Direct, SHORT, Asked::AtMost(0.31)),
+            (Kind::Direct, LONG, Asked::AtMost(0.21)),
+            (Kind::Rival, SHORT, Asked::Nothing),
+            (Kind::Rival, LONG, Asked::Nothing),
         ];
-        for (kind, ms, asked) in bars {
+        let plain = self.measured.times.plain().ms.median();
+        for (kind, budget, asked) in bars {
             let stable = self.measured.frames.iter().filter(is_stable);
-            let best = frames::best(stable, 100.0, ms, kind);
+            let best = frames::best(stable, 100.0, budget, kind);
             // A rival need not be there.
             if best.is_some() || kind != Kind::Rival {
                 let name = best.map_or("none is stable".to_owned(), Left::name);
                 let error = best.map_or(f64::INFINITY, |left| left.error);
-                let bar = format!("error of a frame of A after {ms} ms, {name}");
-                self.push(&bar, asked, Reading::one(error));
+                let bar = format!("error of a frame of A after {budget} PLAIN, {name}");
+                let ms = Reading::one(budget * plain);
+                self.push_row(&bar, asked, &Reading::one(error), Some(&ms));
             }
         }
     }
 
     fn animations(&mut self) {
         let good = self.measured.animations.iter().filter(|one| one.rate == 60 && one.strain < 0.016);
-        let cheapest = good.min_by(|a, b| a.over_plain.least.total_cmp(&b.over_plain.least));
+        let median = |one: &Animation| one.times.ratio.median();
+        let cheapest = good.min_by(|a, b| median(a).total_cmp(&median(b)));
+        let bar = "mean strain below 1.6% at 60 Hz";
         if let Some(one) = cheapest {
-            let bar = format!(
-                "mean strain below 1.6% at 60 Hz, over PLAIN: {} ({:.2}%)",
-                one.setting,
-                100.0 * one.strain
-            );
-            self.push(&bar, Asked::AtMost(17.0), one.over_plain);
+            let bar = format!("{bar}: {} ({:.2}%)", one.setting, 100.0 * one.strain);
+            self.push_time(&bar, Asked::AtMost(17.0), &one.times);
         } else {
-            let bar = "mean strain below 1.6% at 60 Hz, over PLAIN: none";
-            self.push(bar, Asked::AtMost(17.0), Reading::one(f64::INFINITY));
+            self.push(&format!("{bar}: none"), Asked::AtMost(17.0), &Reading::one(f64::INFINITY));
         }
     }
 
@@ -224,17 +252,18 @@ impl Judge<'_> {
     fn drapes(&mut self) {
         let drapes = self.measured.drapes;
         for one in drapes {
-            let asked = if one.setting == drape::RECOMMENDED { Asked::AtMost(15.0) } else { Asked::Nothing };
-            let bar = format!("C, a frame, {} ({:.2}% mean strain) [ms]", one.setting, 100.0 * one.strain);
-            self.push(&bar, asked, one.quantile(0.5));
+            // 15 ms.
+            let is_asked = one.setting == drape::RECOMMENDED;
+            let asked = if is_asked { Asked::AtMost(167.0) } else { Asked::Nothing };
+            let bar = format!("C, a frame, {} ({:.2}% mean strain)", one.setting, 100.0 * one.strain);
+            self.push_time(&bar, asked, &one.times);
         }
         for one in drapes.iter().filter(|one| one.setting == drape::RECOMMENDED) {
-            self.push("C, 95 of 100 frames take less than [ms]", Asked::Nothing, one.quantile(0.95));
-            self.push(
-                "C, contacts made constraints, recoloring included [ms]",
-                Asked::AtMost(0.5),
-                one.coloring(),
-            );
+            let of_most = Reading::one(one.times.ratio.quantile(0.95));
+            self.push("C, 95 of 100 frames take less than, over PLAIN", Asked::Nothing, &of_most);
+            // 0.5 ms.
+            let bar = "C, contacts made constraints, recoloring included";
+            self.push_time(bar, Asked::AtMost(5.6), one.coloring());
         }
     }
 
@@ -243,7 +272,7 @@ impl Judge<'_> {
             let asked = if worst.is_guarded { Asked::AtMost(FAST) } else { Asked::Nothing };
             let bar =
                 format!("stability, {}: largest speed [m/s] ({} cases beyond)", worst.setting, worst.n_fast);
-            self.push(&bar, asked, Reading::one(worst.speed));
+            self.push(&bar, asked, &Reading::one(worst.speed));
         }
     }
 }

@@ -8,10 +8,10 @@ use vivace_solver::{Budget, Collisions, Model, Relaxation, Solver, SolverError, 
 
 use super::scenes::mean_strain;
 use super::sweeps::{gauss_seidel, position_based};
-use super::times::Reading;
+use super::times::{Clock, OverPlain, Reading};
 use super::{Pools, Sizes};
 use crate::figures::FigureError;
-use crate::report::{Table, Value, quantile};
+use crate::report::{Table, Value};
 
 /// Phases of a frame.
 const PHASES: [&str; 6] = ["predict_ms", "detect_ms", "color_ms", "solve_ms", "guard_ms", "finish_ms"];
@@ -21,10 +21,10 @@ pub(super) const RECOMMENDED: &str = "PD direct, 4 substeps of 1";
 /// A setting on workload C.
 pub(super) struct Drape {
     pub(super) setting: String,
-    /// Time of each frame \[ms\], sorted.
-    pub(super) ms: Vec<f64>,
-    /// Of each phase, sorted \[ms\].
-    phases: [Vec<f64>; PHASES.len()],
+    /// Time of each frame.
+    pub(super) times: OverPlain,
+    /// Of each phase.
+    phases: [OverPlain; PHASES.len()],
     /// The most contacts and colors in a frame.
     contacts: usize,
     colors: u32,
@@ -39,22 +39,20 @@ pub(super) struct Drape {
 impl Drape {
     /// Nothing measured yet.
     pub(super) fn new(setting: String) -> Self {
-        let (ms, phases) = (Vec::new(), [const { Vec::new() }; PHASES.len()]);
-        Self { setting, ms, phases, contacts: 0, colors: 0, held_back: 0, depth: 0.0, strain: f64::NAN }
+        let (times, phases) = Default::default();
+        Self { setting, times, phases, contacts: 0, colors: 0, held_back: 0, depth: 0.0, strain: f64::NAN }
     }
 
-    pub(super) fn push(&mut self, ms: f64) {
-        self.ms.push(ms);
-        self.ms.sort_unstable_by(f64::total_cmp);
+    pub(super) fn push(&mut self, ms: f64, plain: f64) {
+        self.times.push(ms, plain);
     }
 
-    fn push_report(&mut self, report: &StepReport) {
+    fn push_report(&mut self, report: &StepReport, plain: f64) {
         let times = &report.times;
         let phases =
             [times.predict, times.detect, times.color, times.solve, times.guard, times.finish + times.setup];
         for (all, seconds) in self.phases.iter_mut().zip(phases) {
-            all.push(seconds * 1e3);
-            all.sort_unstable_by(f64::total_cmp);
+            all.push(seconds * 1e3, plain);
         }
         self.contacts = self.contacts.max(report.contacts.contacts);
         self.colors = self.colors.max(report.colors);
@@ -62,14 +60,9 @@ impl Drape {
         self.depth = self.depth.max(report.contacts.deepest);
     }
 
-    /// The share `q` of the frames takes no longer than this; of the best frames there is no reading \[ms\].
-    pub(super) fn quantile(&self, q: f64) -> Reading {
-        Reading::one(quantile(&self.ms, q))
-    }
-
-    /// The median of what making contacts constraints takes, coloring included \[ms\].
-    pub(super) fn coloring(&self) -> Reading {
-        Reading::one(quantile(&self.phases[2], 0.5))
+    /// What making contacts constraints takes, coloring included.
+    pub(super) fn coloring(&self) -> &OverPlain {
+        &self.phases[2]
     }
 }
 
@@ -97,7 +90,7 @@ fn collisions(scene: &Scene, model: &Model, state: &State) -> Result<Option<Coll
 }
 
 /// Runs all settings, one after another: what one leaves in caches is small beside a frame.
-pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Drape>, FigureError> {
+pub(super) fn measure(sizes: &Sizes, pools: &Pools, clock: &mut Clock) -> Result<Vec<Drape>, FigureError> {
     let scene = vivace_scene::drape(sizes.cloths[0]);
     let (model, start) = scene.build(Path::new("."))?;
     let mut all = Vec::new();
@@ -108,16 +101,19 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Drape>, Figure
         for frame in 0..sizes.drape {
             #[cfg(feature = "rapier")]
             if name == RECOMMENDED && frame + 1 == sizes.drape {
-                all.push(super::rapier::drape(&scene, &model, &state));
+                all.push(super::rapier::drape(&scene, &model, &state, clock));
             }
             let budget = Budget::iterations(iterations);
-            let begin = Instant::now();
-            let report =
-                pools.one.install(|| system.step(&mut state, &scene.forces, scene.time_step, budget))?;
+            let (timed, plain) = clock.around(|| {
+                let begin = Instant::now();
+                let step = || system.step(&mut state, &scene.forces, scene.time_step, budget);
+                pools.one.install(step).map(|report| (report, begin.elapsed().as_secs_f64() * 1e3))
+            });
+            let (report, ms) = timed?;
             // The first makes room.
             if frame > 0 {
-                drape.push(begin.elapsed().as_secs_f64() * 1e3);
-                drape.push_report(&report);
+                drape.push(ms, plain);
+                drape.push_report(&report, plain);
             }
         }
         drape.strain = mean_strain(&model, &state.positions);
@@ -128,24 +124,22 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Drape>, Figure
 
 /// A row for each setting.
 pub(super) fn table(all: &[Drape]) -> Table {
-    let columns = ["setting", "frames", "ms", "ms_p95", "ms_most"].into_iter().chain(PHASES).chain([
-        "contacts",
-        "colors",
-        "held_back",
-        "depth_m",
-        "strain",
-    ]);
+    let columns = ["setting", "frames", "over_plain", "ms", "ms_p95", "ms_most"]
+        .into_iter()
+        .chain(PHASES)
+        .chain(["contacts", "colors", "held_back", "depth_m", "strain"]);
     let columns: Vec<&str> = columns.collect();
     let name =
         "Workload C on one thread: time of a frame and medians of its phases; most contacts and colors";
     let mut table = Table::new(name, &columns);
     for one in all {
-        let measured = |values: &[f64], q: f64| (!values.is_empty()).then(|| quantile(values, q));
-        let mut row: Vec<Value> = vec![one.setting.as_str().into(), one.ms.len().into()];
-        row.extend([0.5, 0.95, 1.0].map(|q| measured(&one.ms, q).into()));
-        row.extend(one.phases.iter().map(|phase| measured(phase, 0.5).into()));
+        let measured = |values: &Reading, q: f64| (!values.is_empty()).then(|| values.quantile(q));
+        let mut row: Vec<Value> = vec![one.setting.as_str().into(), one.times.ms.len().into()];
+        row.push(measured(&one.times.ratio, 0.5).into());
+        row.extend([0.5, 0.95, 1.0].map(|q| measured(&one.times.ms, q).into()));
+        row.extend(one.phases.iter().map(|phase| measured(&phase.ms, 0.5).into()));
         // A rival does not say.
-        let is_ours = !one.phases[0].is_empty();
+        let is_ours = !one.phases[0].ms.is_empty();
         row.extend([
             is_ours.then_some(one.contacts).into(),
             is_ours.then_some(one.colors).into(),

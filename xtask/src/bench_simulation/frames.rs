@@ -1,10 +1,11 @@
-//! What is left of one frame's error after so many milliseconds.
+//! What is left of one frame's error after so many times PLAIN.
 
 use vivace_solver::reference::{Answer, Reference, ReferenceState};
 use vivace_solver::{Budget, Forces, Model, Preconditioner, Relaxation, Rho, Solver, State, System};
 
 use super::scenes::{self, STEP};
 use super::sweeps::{blocks, gauss_seidel, position_based, split};
+use super::times::{Clock, OverPlain};
 use super::{Pools, Sizes};
 use crate::figures::FigureError;
 use crate::report::{Table, Value};
@@ -59,9 +60,10 @@ pub(super) struct Left {
     pub(super) setting: String,
     pub(super) has_safeguard: bool,
     pub(super) kind: Kind,
-    pub(super) ms_per_iteration: f64,
-    /// The budget \[ms\].
-    pub(super) ms: f64,
+    /// Time of an iteration.
+    pub(super) each: OverPlain,
+    /// The budget \[PLAIN\].
+    pub(super) budget: f64,
     pub(super) iterations: u32,
     /// NaN where the solver diverged.
     pub(super) error: f64,
@@ -133,7 +135,7 @@ pub(super) fn settings() -> Vec<Setting> {
 }
 
 /// Every setting at every budget, for two stiffnesses.
-pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Left>, FigureError> {
+pub(super) fn measure(sizes: &Sizes, pools: &Pools, clock: &mut Clock) -> Result<Vec<Left>, FigureError> {
     let mut all = Vec::new();
     for stiffness in [100.0, 10.0] {
         let (model, start) = scenes::cloth(sizes.cloths[0], stiffness, true)?;
@@ -141,25 +143,25 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Left>, FigureE
         let mut systems = Vec::new();
         for setting in settings() {
             let system = System::new(model.clone(), setting.solver)?;
-            systems.push((setting, system, f64::INFINITY));
+            systems.push((setting, system, OverPlain::default()));
         }
         for _ in 0..sizes.runs.div_ceil(3) {
-            for (setting, system, least) in &mut systems {
-                let ms = pools.one.install(|| time(system, &state, setting))?;
-                *least = least.min(ms);
+            for (setting, system, each) in &mut systems {
+                let (ms, plain) = clock.around(|| pools.one.install(|| time(system, &state, setting)));
+                each.push(ms?, plain);
             }
         }
-        for (setting, system, ms_per_iteration) in &mut systems {
-            for &ms in &sizes.budgets {
-                let iterations = fitting(ms, *ms_per_iteration);
+        for (setting, system, each) in &mut systems {
+            for &budget in &sizes.budgets {
+                let iterations = fitting(budget, each.ratio.median());
                 let (error, backoffs) = pools.one.install(|| error(system, &state, &answer, iterations))?;
                 all.push(Left {
                     stiffness,
                     setting: setting.name.clone(),
                     has_safeguard: setting.solver.safeguard,
                     kind: setting.kind,
-                    ms_per_iteration: *ms_per_iteration,
-                    ms,
+                    each: each.clone(),
+                    budget,
                     iterations,
                     error,
                     backoffs,
@@ -167,15 +169,15 @@ pub(super) fn measure(sizes: &Sizes, pools: &Pools) -> Result<Vec<Left>, FigureE
             }
         }
         #[cfg(feature = "rapier")]
-        all.extend(super::rapier::errors(sizes, stiffness, (&model, &start), &state, &answer));
+        all.extend(super::rapier::errors(sizes, stiffness, (&model, &start), (&state, &answer), clock));
     }
     Ok(all)
 }
 
-/// How many iterations of `each` \[ms\] fit into `ms`, at least one.
+/// How many iterations of `each` fit into `budget`, at least one.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates; times are positive")]
-pub(super) fn fitting(ms: f64, each: f64) -> u32 {
-    ((ms / each) as u32).clamp(1, 100_000)
+pub(super) fn fitting(budget: f64, each: f64) -> u32 {
+    ((budget / each) as u32).clamp(1, 100_000)
 }
 
 /// The state after `n` converged frames, and the answer of the next.
@@ -226,11 +228,11 @@ fn error(
 pub(super) fn best<'a>(
     all: impl IntoIterator<Item = &'a Left>,
     stiffness: f32,
-    ms: f64,
+    budget: f64,
     kind: Kind,
 ) -> Option<&'a Left> {
     all.into_iter()
-        .filter(|left| left.stiffness == stiffness && left.ms == ms && left.kind == kind)
+        .filter(|left| left.stiffness == stiffness && left.budget == budget && left.kind == kind)
         .filter(|left| !left.error.is_nan())
         .min_by(|a, b| a.error.total_cmp(&b.error))
 }
@@ -242,21 +244,23 @@ pub(super) fn table(all: &[Left]) -> Table {
         "setting",
         "safeguard",
         "kind",
-        "ms_per_iteration",
+        "over_plain",
         "ms",
+        "budget",
         "iterations",
         "error",
         "backoffs",
     ];
     let mut table = Table::new("", &columns);
     for left in all {
-        let row: [Value; 9] = [
+        let row: [Value; 10] = [
             left.stiffness.into(),
             left.setting.as_str().into(),
             left.has_safeguard.into(),
             left.kind.name().into(),
-            left.ms_per_iteration.into(),
-            left.ms.into(),
+            left.each.ratio.median().into(),
+            left.each.ms.median().into(),
+            left.budget.into(),
             left.iterations.into(),
             left.error.into(),
             left.backoffs.into(),
@@ -268,14 +272,15 @@ pub(super) fn table(all: &[Left]) -> Table {
 
 /// The best setting of each kind, for each budget.
 pub(super) fn winners(all: &[Left], budgets: &[f64]) -> Table {
-    let mut table = Table::new("Least error of one frame", &["stiffness", "ms", "kind", "setting", "error"]);
+    let mut table =
+        Table::new("Least error of one frame", &["stiffness", "budget", "kind", "setting", "error"]);
     for stiffness in [100.0, 10.0] {
-        for &ms in budgets {
+        for &budget in budgets {
             for kind in [Kind::Relaxation, Kind::Direct, Kind::Reference, Kind::Rival] {
-                if let Some(left) = best(all, stiffness, ms, kind) {
+                if let Some(left) = best(all, stiffness, budget, kind) {
                     let row: [Value; 5] = [
                         stiffness.into(),
-                        ms.into(),
+                        budget.into(),
                         kind.name().into(),
                         left.name().into(),
                         left.error.into(),

@@ -8,7 +8,7 @@ use crate::figures::FigureError;
 
 /// A plain scalar Gauss-Seidel sweep in `f32` over the rows of Y (Eq. 1), three right-hand sides together, in the model's order.
 #[derive(Clone, Debug)]
-pub struct Plain {
+pub(super) struct Plain {
     offsets: Vec<u32>,
     columns: Vec<u32>,
     /// −Y_ij \[N/m\].
@@ -20,11 +20,8 @@ pub struct Plain {
 
 impl Plain {
     /// Y of the springs and hinges of `model` for steps of `h` \[s\].
-    ///
-    /// # Errors
-    /// More edges than 32 bits can number.
     #[expect(clippy::cast_possible_truncation, reason = "matrices are f32")]
-    pub fn new(model: &Model, h: f32) -> Result<Self, FigureError> {
+    pub(super) fn new(model: &Model, h: f32) -> Result<Self, FigureError> {
         let graph = model.graph()?;
         let (offsets, columns) = (graph.csr().offsets().to_vec(), graph.csr().items().to_vec());
         let n = model.n_particles();
@@ -64,7 +61,7 @@ impl Plain {
 
     /// One sweep. The bars are set against these very loops: written with iterators they take a quarter less time.
     #[expect(clippy::needless_range_loop, reason = "what is measured against does not change")]
-    pub fn sweep(&mut self) {
+    pub(super) fn sweep(&mut self) {
         for i in 0..self.x.len() {
             let mut sum = self.b[i];
             for k in self.offsets[i] as usize..self.offsets[i + 1] as usize {
@@ -80,7 +77,7 @@ impl Plain {
     }
 
     /// Time of one sweep \[ms\], the mean of a few, after one that warms the caches.
-    pub fn time(&mut self) -> f64 {
+    pub(super) fn time(&mut self) -> f64 {
         const SWEEPS: u32 = 20;
         self.sweep();
         let start = Instant::now();
@@ -115,7 +112,8 @@ impl Plain {
     }
 
     /// Entries off the diagonal.
-    pub fn n_entries(&self) -> usize {
+    #[cfg(test)]
+    fn n_entries(&self) -> usize {
         self.columns.len()
     }
 }

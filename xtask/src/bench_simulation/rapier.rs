@@ -25,6 +25,7 @@ use super::drape::Drape;
 use super::frames::{self, Kind, Left};
 use super::scenes::{self, STEP};
 use super::sweeps::{SUBSTEP, SWEEP, Task};
+use super::times::{Clock, OverPlain};
 use crate::figures::FigureError;
 
 /// How many substeps a step has, and how many sweeps each of them.
@@ -150,16 +151,20 @@ pub(super) fn errors(
     sizes: &Sizes,
     stiffness: f32,
     (model, start): (&Model, &State),
-    state: &State,
-    answer: &Answer,
+    (state, answer): (&State, &Answer),
+    clock: &mut Clock,
 ) -> Vec<Left> {
     let mut all = Vec::new();
     for Iterations { plan, many, .. } in ITERATIONS {
         let mut cloth = Cloth::new(model, start);
-        let costs = (0..sizes.runs.div_ceil(3)).map(|_| cloth.cost(state, plan));
-        let [each, rest] = costs.fold([f64::INFINITY; 2], |[a, b], [c, d]| [a.min(c), b.min(d)]);
-        for &ms in &sizes.budgets {
-            let iterations = frames::fitting(ms - rest, each);
+        let (mut each, mut rest) = (OverPlain::default(), OverPlain::default());
+        for _ in 0..sizes.runs.div_ceil(3) {
+            let ([one, others], plain) = clock.around(|| cloth.cost(state, plan));
+            each.push(one, plain);
+            rest.push(others, plain);
+        }
+        for &budget in &sizes.budgets {
+            let iterations = frames::fitting(budget - rest.ratio.median(), each.ratio.median());
             cloth.set(state);
             cloth.step(STEP, plan(iterations as usize));
             all.push(Left {
@@ -167,8 +172,8 @@ pub(super) fn errors(
                 setting: many.to_owned(),
                 has_safeguard: false,
                 kind: Kind::Rival,
-                ms_per_iteration: each,
-                ms,
+                each: each.clone(),
+                budget,
                 iterations,
                 error: answer.error(&cloth.positions()),
                 backoffs: 0,
@@ -185,7 +190,7 @@ pub(super) const DRAPE: &str = "rapier3d, self-collision";
 const N_FRAMES: usize = 4;
 
 /// Frames of workload C from where it has come to, with rapier's own settings and contacts of the cloth with itself.
-pub(super) fn drape(scene: &Scene, model: &Model, state: &State) -> Drape {
+pub(super) fn drape(scene: &Scene, model: &Model, state: &State, clock: &mut Clock) -> Drape {
     let thickness = scene.collisions.as_ref().map_or(0.0, |collisions| collisions.thickness);
     let friction = 0.3;
     let parameters = IntegrationParameters::default();
@@ -203,7 +208,10 @@ pub(super) fn drape(scene: &Scene, model: &Model, state: &State) -> Drape {
     cloth.set(state);
     let mut drape = Drape::new(DRAPE.to_owned());
     let plan = [parameters.num_solver_iterations, parameters.num_internal_pgs_iterations];
-    (0..N_FRAMES).for_each(|_| drape.push(cloth.step(1.0 / 60.0, plan)));
+    for _ in 0..N_FRAMES {
+        let (ms, plain) = clock.around(|| cloth.step(1.0 / 60.0, plan));
+        drape.push(ms, plain);
+    }
     drape.strain = scenes::mean_strain(model, &cloth.positions());
     drape
 }

@@ -11,7 +11,7 @@ use vivace_solver::{
 use super::factor;
 use super::plain::Plain;
 use super::scenes::{self, Material, STEP};
-use super::times::{Reading, Times};
+use super::times::{Clock, Reading, Times};
 use super::{Pools, Sizes};
 use crate::figures::FigureError;
 
@@ -86,19 +86,19 @@ impl Task {
     }
 }
 
-/// All tasks in turns on every pool, PLAIN among them.
+/// All tasks in turns on every pool, PLAIN between them.
 fn in_turns(
     tasks: &mut [Task],
-    plain: &mut Plain,
+    clock: &mut Clock,
     pools: &Pools,
     runs: u32,
     times: &mut Times,
 ) -> Result<(), FigureError> {
     for _ in 0..runs {
         for (pool, n_threads) in pools.all() {
-            times.push(Times::PLAIN.0, Times::PLAIN.1, 1, plain.time());
             for task in tasks.iter_mut().filter(|task| task.is_parallel || n_threads == 1) {
-                times.push(task.workload, task.name, n_threads, (task.time)(pool)?);
+                let (ms, plain) = clock.around(|| (task.time)(pool));
+                times.push(task.workload, task.name, n_threads, ms?, plain);
             }
         }
     }
@@ -106,7 +106,12 @@ fn in_turns(
 }
 
 /// Workload A.
-pub(super) fn cloth(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(), FigureError> {
+pub(super) fn cloth(
+    sizes: &Sizes,
+    pools: &Pools,
+    clock: &mut Clock,
+    times: &mut Times,
+) -> Result<(), FigureError> {
     let scene = scenes::cloth(sizes.cloths[0], 100.0, true)?;
     let springs = scenes::cloth(sizes.cloths[0], 100.0, false)?;
     let fast = gauss_seidel(1.7);
@@ -126,15 +131,19 @@ pub(super) fn cloth(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(
         Task::new("A", "SOR of 50 iterations, safeguard", &scene, safe, 50)?,
         Task::new("A", "PD direct", &scene, direct, 4)?,
     ];
-    let mut plain = Plain::new(&scene.0, STEP)?;
-    tasks.push(factor::task(&plain)?);
+    tasks.push(factor::task(&Plain::new(&scene.0, STEP)?)?);
     #[cfg(feature = "rapier")]
     tasks.extend(super::rapier::tasks(&scene));
-    in_turns(&mut tasks, &mut plain, pools, sizes.runs, times)
+    in_turns(&mut tasks, clock, pools, sizes.runs, times)
 }
 
 /// Workload B.
-pub(super) fn bar(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(), FigureError> {
+pub(super) fn bar(
+    sizes: &Sizes,
+    pools: &Pools,
+    clock: &mut Clock,
+    times: &mut Times,
+) -> Result<(), FigureError> {
     let volume = scenes::bar(sizes.bar, Material::EdgesAndVolume)?;
     let strain = scenes::bar(sizes.bar, Material::Strain)?;
     let kept = scenes::bar(sizes.bar, Material::Volume)?;
@@ -147,12 +156,11 @@ pub(super) fn bar(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(),
         Task::new("B", "PD volume, split, stretched", &scenes::stretched(&kept), split(1), 4)?,
         Task::new("B", "PD volume, linear sweep", &kept, split(FROZEN), 20)?,
     ];
-    let mut plain = Plain::new(&scenes::cloth(sizes.cloths[0], 100.0, true)?.0, STEP)?;
-    in_turns(&mut tasks, &mut plain, pools, sizes.runs, times)
+    in_turns(&mut tasks, clock, pools, sizes.runs, times)
 }
 
 /// A sweep's share of the bandwidth of memory.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Bandwidth {
     pub(super) n_threads: usize,
     /// Of a copy \[GB/s\].
@@ -162,15 +170,19 @@ pub(super) struct Bandwidth {
 }
 
 /// The large cloths.
-pub(super) fn large(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<Vec<Bandwidth>, FigureError> {
+pub(super) fn large(
+    sizes: &Sizes,
+    pools: &Pools,
+    clock: &mut Clock,
+    times: &mut Times,
+) -> Result<Vec<Bandwidth>, FigureError> {
     let runs = (sizes.runs / 3).max(1);
-    let mut plain = Plain::new(&scenes::cloth(sizes.cloths[0], 100.0, true)?.0, STEP)?;
     let scene = scenes::cloth(sizes.cloths[1], 100.0, true)?;
     let mut tasks = [
         Task::new("large cloth", "PD fused", &scene, gauss_seidel(1.0), 10)?,
         Task::new("large cloth", "PD linear sweep", &scene, split(FROZEN), 10)?,
     ];
-    in_turns(&mut tasks, &mut plain, pools, runs, times)?;
+    in_turns(&mut tasks, clock, pools, runs, times)?;
     if sizes.cloths[2] == 0 {
         return Ok(Vec::new());
     }
@@ -184,14 +196,15 @@ pub(super) fn large(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<V
     for _ in 0..runs {
         for ((pool, n_threads), copied) in pools.all().zip(&mut copied) {
             copied.push(copy(pool, &mut memory));
-            times.push("huge cloth", name, n_threads, (task.time)(pool)?);
+            let (ms, plain) = clock.around(|| (task.time)(pool));
+            times.push("huge cloth", name, n_threads, ms?, plain);
             copied.push(copy(pool, &mut memory));
         }
     }
     let of = |((_, n_threads), copied): ((&ThreadPool, usize), &Vec<f64>)| Bandwidth {
         n_threads,
         copy: copied.iter().copied().fold(0.0, f64::max),
-        sweep: times.ms("huge cloth", name, n_threads).map(|ms| bytes / (ms * 1e6)),
+        sweep: times.of("huge cloth", name, n_threads).ms.map(|ms| bytes / (ms * 1e6)),
     };
     Ok(pools.all().zip(&copied).map(of).collect())
 }

@@ -120,17 +120,18 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> KindPass<C, N, R> {
 /// Constraints that one thread projects before another may take over.
 const GRAIN: usize = 512;
 
+/// Constraints of one or several particles that are projected together.
+const AT_ONCE: usize = 64;
+
 impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N, R> {
     fn project(&mut self, q: &Points) {
         let (particles, rest) = (&self.particles, &self.rest);
         let piece = |(piece, projected): (usize, &mut [[Vec3; R]])| {
             let first = piece * GRAIN;
-            let range = first..first + projected.len();
-            C::project_all(
-                &rest[range.clone()],
-                |k| particles[range.start + k].map(|p| q.get(p as usize).into()),
-                projected,
-            );
+            for (k, aq) in (first..).zip(projected.iter_mut()) {
+                *aq = rest[k].apply(&particles[k].map(|p| q.get(p as usize).into()));
+            }
+            C::project_all(|k| &rest[first + k], projected);
         };
         if rayon::current_num_threads() == 1 {
             self.projected.chunks_mut(GRAIN).enumerate().for_each(piece);
@@ -148,11 +149,22 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N
     }
 
     fn pull_fused(&self, range: Range<usize>, q: &Points, out: &mut [Vec3A]) {
-        for (particle, out) in range.zip(out) {
-            for (constraint, slot) in self.slots(particle) {
-                let rest = &self.rest[constraint];
-                let p = rest.project(rest.apply(&self.corners(constraint, q)));
-                *out += Vec3A::from(rest.pull(slot, &p));
+        let (first, mut particle) = (range.start, range.start);
+        let [begin, end] = [range.start, range.end].map(|particle| self.offsets[particle] as usize);
+        let mut projected = [[Vec3::ZERO; R]; AT_ONCE];
+        for at in (begin..end).step_by(AT_ONCE) {
+            let slots = &self.slots[at..end.min(at + AT_ONCE)];
+            let constraint = |k: usize| slots[k] as usize / N;
+            let projected = &mut projected[..slots.len()];
+            for (k, aq) in projected.iter_mut().enumerate() {
+                *aq = self.rest[constraint(k)].apply(&self.corners(constraint(k), q));
+            }
+            C::project_all(|k| &self.rest[constraint(k)], projected);
+            for (k, p) in projected.iter().enumerate() {
+                while self.offsets[particle + 1] as usize <= at + k {
+                    particle += 1;
+                }
+                out[particle - first] += Vec3A::from(self.rest[constraint(k)].pull(slots[k] as usize % N, p));
             }
         }
     }
@@ -168,5 +180,49 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Pass for KindPass<C, N
     fn energy(&self, q: &Points) -> f64 {
         let of = |constraint: usize| f64::from(self.rest[constraint].energy(&self.corners(constraint, q)));
         sum(0..self.particles.len(), &of)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vivace_mesh::beam;
+    use vivace_model::ModelBuilder;
+
+    use super::*;
+
+    /// However many particles at a time, and also where their constraints are more than are projected at once.
+    #[test]
+    fn fused_is_bitwise_projected_then_pulled() {
+        let mesh = beam::regular([5, 3, 3], 0.1).unwrap();
+        let mut builder = ModelBuilder::new();
+        builder.volume(&mesh, 1000.0).unwrap();
+        builder.tet_strain(0, mesh.tets(), 1e4).unwrap();
+        let (some, others) = mesh.tets().split_at(100);
+        builder.tet_volume(0, some, 1e4, [0.9, 1.1]).unwrap();
+        builder.tet_volume(0, others, 1e4, [1.0, 1.0]).unwrap();
+        builder.pin(3).unwrap();
+        let (model, state) = builder.build().unwrap();
+        let layout = Layout::new(&model, &model.graph().unwrap(), &[]).unwrap();
+        let mut q = Points::zeros(model.n_particles());
+        for (slot, &particle) in layout.order.iter().enumerate() {
+            let k = particle as f32;
+            let shift = Vec3::new((12.9 * k).sin(), (78.2 * k).sin(), (37.7 * k).sin());
+            q.set(slot, (state.positions[particle as usize] + 0.05 * shift).into());
+        }
+        let mut passes = Passes::of(&model, &layout).unwrap();
+        assert_eq!(passes.len(), 2);
+        for pass in &mut passes {
+            pass.project(&q);
+            for n in [1, 3, 8, layout.n_free] {
+                for first in (0..layout.n_free).step_by(n) {
+                    let range = first..(first + n).min(layout.n_free);
+                    let [mut projected, mut fused] = [(); 2].map(|()| vec![Vec3A::ZERO; range.len()]);
+                    pass.pull_projected(range.clone(), &mut projected);
+                    pass.pull_fused(range.clone(), &q, &mut fused);
+                    assert_eq!(fused, projected, "{range:?}");
+                    assert!(fused.iter().all(|pull| pull.length() > 0.0), "{range:?}");
+                }
+            }
+        }
     }
 }
