@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{CountDown, Element, Map, Memory, Scatter, Select, Update, Views};
+use crate::{CountDown, Element, Expand, Lower, Map, Memory, Scatter, Select, Update, Views};
 
 /// Runs kernels over arrays that it keeps.
 ///
@@ -112,6 +112,26 @@ pub trait Backend {
         inputs: Views<'_, K, Self::Memory>,
         output: &mut Self::Buffer<K::Output>,
     ) -> Self::List;
+
+    /// Writes to `items` what `K` finds for each `i` in `list`, invocation by invocation, as far as there is room, and returns the list of
+    /// the elements written. Adds to the first two elements of `counts` how many these are, and how many found no room.
+    fn expand<K: Expand>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        items: &mut Self::Buffer<K::Item>,
+        counts: &mut Self::Buffer<u32>,
+    ) -> Self::List;
+
+    /// Lowers elements of `lowest` to what `K` says for each `i` in `list`.
+    fn lower<K: Lower<N>, const N: usize>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        lowest: &mut Self::Buffer<u32>,
+    );
 
     /// Takes one from each counter that is a target of each `i` in `list`.
     fn count_down<K: CountDown>(

@@ -8,7 +8,7 @@ use vivace_kernels::coloring::{AcceptColor, ProposeColor, SHADERS};
 use vivace_kernels::constraint::{
     Attachment, Bending, Constraint, Spring, TetStrain, TetVolume, TriangleStrain,
 };
-use vivace_kernels::{Form, ListShader, Shader, local, pbd, pd, step};
+use vivace_kernels::{Form, ListShader, Shader, collision, local, pbd, pd, step};
 
 /// The kernels over a kind.
 struct Kind {
@@ -51,7 +51,12 @@ kinds!(
 
 /// Every kernel, with the kind that it is over.
 fn kernels() -> Vec<(String, Shader)> {
-    let without_kind = SHADERS.iter().chain(&pbd::SHADERS).chain(&pd::SHADERS).chain(&step::SHADERS);
+    let without_kind = SHADERS
+        .iter()
+        .chain(&collision::SHADERS)
+        .chain(&pbd::SHADERS)
+        .chain(&pd::SHADERS)
+        .chain(&step::SHADERS);
     let without_kind = without_kind.map(|&shader| (shader.name.to_owned(), shader));
     let of_kind = |kind: Kind| {
         let name = move |shader: Shader| (format!("{} of {}", shader.name, kind.name), shader);

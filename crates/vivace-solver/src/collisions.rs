@@ -40,6 +40,15 @@ impl Collisions {
         Ok(Self { detector, recoloring: Recoloring::default(), obstacles, now, contacts })
     }
 
+    pub(crate) fn detector(&self) -> &Detector {
+        &self.detector
+    }
+
+    /// The obstacles, in a small step.
+    pub(crate) fn now(&self) -> &[Obstacle] {
+        &self.now
+    }
+
     /// The obstacles, with their way in the next step, which checks them.
     pub fn obstacles_mut(&mut self) -> &mut Vec<Obstacle> {
         &mut self.obstacles

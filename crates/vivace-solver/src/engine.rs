@@ -44,33 +44,40 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// Line 1: `q⁰ = q + h v + h² M⁻¹ f`.
     fn predict(&mut self, model: &Model, forces: &Forces, h: f32);
 
-    /// Whether it has what follows.
-    fn has_collisions(&self) -> bool {
-        false
+    /// Makes ready for collisions, or forgets them.
+    ///
+    /// # Errors
+    /// More primitives than can be numbered; what a device does not hold.
+    fn set_collisions(&mut self, collisions: Option<&Collisions>) -> Result<(), SolverError> {
+        let _ = collisions;
+        Ok(())
     }
 
     /// Finds the contacts of the step from where it begins to what was predicted, and takes them.
     ///
     /// # Errors
-    /// The engine has no contacts; detection refuses what was predicted.
+    /// Detection refuses what was predicted, or an obstacle.
     fn collide(
         &mut self,
         model: &Model,
         collisions: &mut Collisions,
         h: f32,
         report: &mut ContactReport,
-    ) -> Result<(), SolverError> {
-        let _ = (model, collisions, h, report);
-        Err(SolverError::NoCollisions)
-    }
+    ) -> Result<(), SolverError>;
 
     /// After lines 3 to 8: holds back what would pass through.
     ///
     /// # Errors
     /// As [`Engine::collide`].
-    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError> {
-        let _ = (collisions, report);
-        Err(SolverError::NoCollisions)
+    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError>;
+
+    /// After [`Engine::store`]: what contacts did in the step, where that was not told before.
+    ///
+    /// # Errors
+    /// What went wrong in finding out.
+    fn report_contacts(&mut self, report: &mut ContactReport) -> Result<(), SolverError> {
+        let _ = report;
+        Ok(())
     }
 
     /// What the coloring of the next step depends on.
@@ -82,8 +89,8 @@ pub(crate) trait Engine: Debug + Send + Sync {
     ///
     /// # Errors
     /// It is not that of this model.
-    fn set_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
-        if *memory == ContactMemory::default() { Ok(()) } else { Err(SolverError::NoCollisions) }
+    fn set_memory(&mut self, _: &ContactMemory) -> Result<(), SolverError> {
+        Ok(())
     }
 
     /// Makes ready for lines 3 to 8, from what was predicted.

@@ -78,9 +78,6 @@ pub enum SolverError {
         /// The relaxation.
         relaxation: &'static str,
     },
-    /// The engine has no collisions.
-    #[error("collisions are found and solved on the CPU only; take the CPU, or a scene without them")]
-    NoCollisions,
     /// Detection refuses the surface, an obstacle or a position.
     #[error(transparent)]
     Collision(#[from] CollisionError),

@@ -129,10 +129,6 @@ impl Engine for Host {
         }
     }
 
-    fn has_collisions(&self) -> bool {
-        true
-    }
-
     fn collide(
         &mut self,
         model: &Model,

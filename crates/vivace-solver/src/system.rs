@@ -118,6 +118,7 @@ impl System {
         solver.check()?;
         check_contacts(&solver, self.collisions.as_ref())?;
         self.engine.set_solver(&self.model, &solver)?;
+        self.engine.set_collisions(self.collisions.as_ref())?;
         self.solver = solver;
         self.ease = Ease::default();
         self.has_state = false;
@@ -153,14 +154,12 @@ impl System {
     /// Lets the model collide, or no more.
     ///
     /// # Errors
-    /// [`SolverError::NoContacts`]: the relaxation has none; [`SolverError::NoCollisions`]: the device has none.
+    /// [`SolverError::NoContacts`]: the relaxation has none; what a device does not hold.
     pub fn set_collisions(&mut self, collisions: Option<Collisions>) -> Result<(), SolverError> {
         check_contacts(&self.solver, collisions.as_ref())?;
-        if collisions.is_some() && !self.engine.has_collisions() {
-            return Err(SolverError::NoCollisions);
-        }
         // Those of the last step are gone.
         self.engine.set_solver(&self.model, &self.solver)?;
+        self.engine.set_collisions(collisions.as_ref())?;
         self.has_state = false;
         self.collisions = collisions;
         Ok(())
@@ -222,7 +221,8 @@ impl System {
         self.load(state)?;
         let mut report = self.advance_from(start, forces, h, &budget, &before)?;
         let finish_start = Instant::now();
-        if let Err(error) = self.store(state) {
+        let stored = self.store(state);
+        if let Err(error) = stored.and_then(|()| self.engine.report_contacts(&mut report.contacts)) {
             return Err(self.undo(error, &before));
         }
         report.times.finish += finish_start.elapsed().as_secs_f64();
@@ -241,7 +241,7 @@ impl System {
     }
 
     /// As [`System::step`], from where the last step, this one or [`System::load`] has left the state to where it stays. On a device nothing
-    /// is read back, but what the budget and the safeguard look at; what went wrong comes out of [`System::store`].
+    /// is read back, but what the budget and the safeguard look at: contacts are not reported, and what went wrong comes out of [`System::store`].
     ///
     /// # Errors
     /// A force, step or budget that cannot be simulated; there is no state: nothing has changed then. Contacts that cannot be found: another

@@ -12,6 +12,7 @@ mod convergence;
 mod determinism;
 mod extremes;
 mod linear;
+mod on_device;
 mod pays_for_what_it_holds;
 mod symmetry;
 mod verification;

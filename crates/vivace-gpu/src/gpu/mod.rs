@@ -324,6 +324,11 @@ pub(crate) fn decisions_bytes(capacity: usize) -> u64 {
     array_bytes::<[u32; 9]>(capacity.div_ceil(GROUP))
 }
 
+/// Bytes of where the items of an expansion go: 258 words a group, as in `places.wgsl`.
+pub(crate) fn places_bytes(capacity: usize) -> u64 {
+    array_bytes::<[u32; GROUP + 2]>(capacity.div_ceil(GROUP))
+}
+
 /// The most bytes of an array: what the device can bind, as long as its words have 32-bit indices, and in whole steps of the pool.
 fn largest_array(limits: &wgpu::Limits) -> u64 {
     let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);

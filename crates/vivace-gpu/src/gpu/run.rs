@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
-use vivace_kernels::{Element, Inputs, Kernel, ListShader, Select, Shader, ViewVisitor, Views};
+use vivace_kernels::{Element, Expand, Inputs, Kernel, ListShader, Select, Shader, ViewVisitor, Views};
 
-use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, decisions_bytes};
+use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, decisions_bytes, places_bytes};
 use crate::list::{Elements, HEADER_BYTES, Indices};
 use crate::memory::{Allocation, Buffer, GpuMemory, array_bytes};
 use crate::pipeline::{Pipeline, UNIFORM_BYTES};
@@ -156,7 +156,8 @@ impl Gpu {
         }
     }
 
-    /// Runs a kernel over a list. `decisions` is where a select writes what it decides.
+    /// Runs a kernel over a list. `decisions` is where a select writes what it decides, or an expansion where it goes on; `value` says
+    /// whether that is known.
     fn run<K: Kernel>(
         &self,
         shader: &Shader,
@@ -165,6 +166,7 @@ impl Gpu {
         inputs: Views<'_, K, GpuMemory>,
         written: Written<'_>,
         decisions: Option<Bound<'_>>,
+        value: u32,
     ) -> Result<(), GpuError> {
         const { assert!(size_of::<K::Uniform>() <= UNIFORM_BYTES, "a uniform has 256 bytes at most") };
         let mut own =
@@ -201,7 +203,7 @@ impl Gpu {
             };
             (0..n).step_by(IN_ORDER).for_each(|first| dispatch(first, Grid::Groups(1)));
         } else {
-            dispatch(0, self.grid(list));
+            dispatch(value, self.grid(list));
         }
         Ok(())
     }
@@ -216,7 +218,7 @@ impl Gpu {
         output: &mut Buffer<T>,
     ) {
         let written = list.state().and_then(|list| {
-            self.run::<K>(shader, list, uniform, inputs, Written::one(&output.bound()?, output.len), None)
+            self.run::<K>(shader, list, uniform, inputs, Written::one(&output.bound()?, output.len), None, 0)
         });
         if let Err(error) = written {
             output.memory = Err(error);
@@ -235,7 +237,7 @@ impl Gpu {
     ) {
         let written = list.state().and_then(|list| {
             let written = Written { arrays: &[first.bound()?, second.bound()?], len: second.len };
-            self.run::<K>(shader, list, uniform, inputs, written, None)
+            self.run::<K>(shader, list, uniform, inputs, written, None, 0)
         });
         if let Err(error) = written {
             first.memory = Err(error.clone());
@@ -259,7 +261,7 @@ impl Gpu {
         let (elements, shader) = (Elements::Listed(list.clone()), Shader::select::<K>());
         let bound = output.bound()?;
         let written = Written::one(&bound, output.len);
-        self.run::<K>(&shader, &elements, uniform, inputs, written, Some(decisions))?;
+        self.run::<K>(&shader, &elements, uniform, inputs, written, Some(decisions), 0)?;
         let places = Run {
             list: list.header.place,
             kept: kept.header.place,
@@ -277,6 +279,42 @@ impl Gpu {
         ];
         self.dispatch(&split, &groups, uniforms, self.grid(&elements));
         Ok([kept, selected])
+    }
+
+    /// The list of the items written.
+    pub(super) fn try_expand<K: Expand>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        items: &Buffer<K::Item>,
+        counts: &Buffer<u32>,
+    ) -> Result<Arc<Indices>, GpuError> {
+        let elements = list.state()?;
+        let bytes = places_bytes(elements.capacity());
+        let memory = self.work(bytes)?;
+        let places = Bound::Array(&memory.buffer, bytes);
+        let found = self.list(items.len)?;
+        let (shader, bound) = (Shader::expand::<K>(), items.bound()?);
+        let written = Written::one(&bound, items.len);
+        self.run::<K>(&shader, elements, uniform, inputs, written, Some(places), 0)?;
+        let (value, selected) = (u32::try_from(items.len).unwrap_or(u32::MAX), found.header.place);
+        let run = match elements {
+            Elements::Listed(list) => Run { list: list.header.place, value, selected, ..Run::zeroed() },
+            Elements::Range(range) => {
+                let len = range.end.saturating_sub(range.start);
+                Run { list: RANGE, len, value, selected, ..Run::zeroed() }
+            }
+        };
+        let uniforms = [bytemuck::bytes_of(&run), &[]];
+        let place = self.pipelines.list(&self.device, ListShader::Place);
+        let groups = [vec![self.bound_headers(), places, Bound::Uniform, counts.bound()?]];
+        self.dispatch(&place, &groups, uniforms, Grid::Groups(1));
+        self.run::<K>(&shader, elements, uniform, inputs, written, Some(places), 1)?;
+        let number = self.pipelines.list(&self.device, ListShader::Number);
+        let groups = [vec![self.bound_headers(), found.bound(), Bound::Uniform]];
+        self.dispatch(&number, &groups, uniforms, self.grid(&Elements::Listed(found.clone())));
+        Ok(found)
     }
 
     pub(super) fn try_filled<T: Element>(&self, len: usize, value: T) -> Result<Allocation, GpuError> {

@@ -1,6 +1,7 @@
 //! The stages of Projective Dynamics as runs of kernels: see `pd/mod.rs`, of which this is the twin.
 
 use glam::{Vec3, Vec3A, Vec4};
+use vivace_collision::Obstacle;
 use vivace_kernels::Backend;
 use vivace_kernels::pd::{
     Anchor, FusedResidual, LinearResidual, MoveByBlock, MoveByDiagonal, Omega, RelaxFused, RelaxLinear,
@@ -10,17 +11,20 @@ use vivace_kernels::step::{CopyVector, SquaredDistance, SquaredLength};
 use vivace_model::{Forces, Model, State};
 
 use super::Solve;
+use super::collide::Collider;
 use super::history::History;
 use super::motion::Motion;
 use super::pass::{Pass, Passes};
 use super::rows::DeviceRows;
 use super::sums::Sums;
+use crate::collisions::Collisions;
+use crate::contacts::STIFFNESS;
 use crate::error::narrow;
 use crate::pd::layout::Layout;
 use crate::pd::rows::Rows;
 use crate::pd::{attachments, masses, weigh};
 use crate::stages::TOLERATED_RISE;
-use crate::{Base, Framework, LocalStep, Relaxation, Solver, SolverError, VertexSolve};
+use crate::{Base, ContactReport, Framework, LocalStep, Relaxation, Solver, SolverError, VertexSolve};
 
 /// How a particle is relaxed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +66,12 @@ pub(super) struct Frame<B: Backend> {
     residuals: B::Buffer<Vec4>,
     blocks: B::Buffer<[Vec4; 2]>,
     latest: B::Buffer<Vec4>,
+    /// Numbers that are added up together.
+    groups: Vec<u32>,
     sums: Sums<B>,
+    contacts: Option<Collider<B>>,
+    /// The anchors as contacts push them; none where there are no contacts.
+    pushed: Option<B::Buffer<Vec4>>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
 }
@@ -118,6 +127,9 @@ impl<B: Backend + 'static> Frame<B> {
             blocks: backend.filled(n_blocks, [Vec4::ZERO; 2]),
             latest: vectors(has_previous_in_place),
             sums: Sums::new(backend, &groups),
+            groups,
+            contacts: None,
+            pushed: None,
             failed: None,
             passes,
             layout,
@@ -168,7 +180,8 @@ impl<B: Backend + 'static> Frame<B> {
 
     fn linear_residuals(&mut self, backend: &B, list: &B::List) {
         let (rows, taps) = (backend.view(&self.rows.rows), backend.view(&self.rows.taps));
-        let (anchors, pulls) = (backend.view(&self.anchors), backend.view(&self.pulls));
+        let anchors = self.pushed.as_ref().unwrap_or(&self.anchors);
+        let (anchors, pulls) = (backend.view(anchors), backend.view(&self.pulls));
         let inputs = (rows, taps, anchors, pulls, backend.view(&self.motion.q));
         backend.map::<LinearResidual>(list, &(), inputs, &mut self.residuals);
     }
@@ -176,7 +189,8 @@ impl<B: Backend + 'static> Frame<B> {
     fn fused_residuals(&mut self, backend: &B, list: &B::List) {
         let (rows, q) = (&self.rows, &self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let (pulls, anchors) = (backend.view(&rows.pulls), backend.view(&self.anchors));
+        let anchors = self.pushed.as_ref().unwrap_or(&self.anchors);
+        let (pulls, anchors) = (backend.view(&rows.pulls), backend.view(anchors));
         let inputs = (of_rows, taps, pulls, anchors, backend.view(q));
         backend.map::<FusedResidual>(list, &(), inputs, &mut self.residuals);
         self.passes.iter().for_each(|pass| pass.pull_fused(backend, list, q, &mut self.residuals));
@@ -196,6 +210,13 @@ impl<B: Backend + 'static> Frame<B> {
             self.failed = Some(SolverError::Device(Box::new(error)));
             f64::NAN
         })
+    }
+
+    /// Makes room for what is added up.
+    fn fit_sums(&mut self, backend: &B) {
+        let groups = self.groups.iter().copied();
+        let all: Vec<u32> = groups.chain(self.contacts.iter().flat_map(Collider::groups)).collect();
+        self.sums = Sums::new(backend, &all);
     }
 
     fn mean_root(&mut self, backend: &B) -> f64 {
@@ -238,7 +259,11 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
             backend.write(&mut self.anchors, &anchors);
             self.h = h;
             self.are_targets_new = true;
+            if let Some(contacts) = &mut self.contacts {
+                contacts.set_mobility(backend, &self.inverse_diagonal);
+            }
         }
+        self.contacts.iter_mut().for_each(|contacts| contacts.begin_step(backend));
         if std::mem::take(&mut self.are_targets_new) {
             let holds = self.holds();
             backend.write(&mut self.holds, &holds);
@@ -255,10 +280,56 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.motion.predict(backend, model, &self.layout, forces, h);
     }
 
+    fn set_collisions(&mut self, backend: &B, collisions: Option<&Collisions>) -> Result<(), SolverError> {
+        let of = |collisions| Collider::new(backend, collisions, &self.layout.place, STIFFNESS, true);
+        self.contacts = collisions.map(of).transpose()?;
+        self.pushed = self.contacts.is_some().then(|| backend.filled(self.layout.n_free, Vec4::ZERO));
+        // Contacts have to be told the diagonal.
+        self.h = 0.0;
+        self.fit_sums(backend);
+        Ok(())
+    }
+
+    fn has_collisions(&self) -> bool {
+        self.contacts.is_some()
+    }
+
+    fn collide(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(()) };
+        if contacts.detect(backend, &self.motion.before, &self.motion.q, obstacles)? {
+            self.fit_sums(backend);
+        }
+        Ok(())
+    }
+
+    fn relax_contacts(&mut self, backend: &B, omega: f32) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.relax(backend, omega, &mut self.motion.q, self.pushed.as_mut());
+        }
+    }
+
+    fn guard(&mut self, backend: &B) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.guard(backend, &self.motion.before, &mut self.motion.q);
+        }
+    }
+
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<(), SolverError> {
+        if let Some(contacts) = &mut self.contacts {
+            let found = contacts.report(backend, &self.motion.q, &mut self.sums);
+            *report = found.map_err(|error| SolverError::Device(Box::new(error)))?;
+        }
+        Ok(())
+    }
+
     /// Makes anchors of what was predicted.
-    fn begin(&mut self, backend: &B, _: f32) {
+    fn begin(&mut self, backend: &B, h: f32) {
         let inputs = (backend.view(&self.motion.q), backend.view(&self.holds));
         backend.map::<Anchor>(&self.free, &(), inputs, &mut self.anchors);
+        if let (Some(contacts), Some(pushed)) = (&mut self.contacts, &mut self.pushed) {
+            backend.map::<CopyVector>(&self.free, &(), (backend.view(&self.anchors),), pushed);
+            contacts.begin(backend, h);
+        }
         // All other relaxations remember before they extrapolate.
         if self.has_previous_in_place {
             self.history.begin(backend, &self.motion.q);
@@ -287,7 +358,8 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn relax_color(&mut self, backend: &B, color: usize, omega: f32) {
         let (rows, q) = (&self.rows, &mut self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let (anchors, list) = (backend.view(&self.anchors), &self.colors[color]);
+        let anchors = self.pushed.as_ref().unwrap_or(&self.anchors);
+        let (anchors, list) = (backend.view(anchors), &self.colors[color]);
         match self.local {
             Local::Split { .. } => {
                 let inputs = (of_rows, taps, anchors, backend.view(&self.pulls));
@@ -337,6 +409,9 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
             pass.energies(backend, q, &mut self.sums.numbers);
             self.sums.add(backend, pass.len());
         }
+        if let Some(contacts) = &self.contacts {
+            contacts.add_energy(backend, 1.0, q, &mut self.sums);
+        }
         self.total(backend)
     }
 
@@ -366,10 +441,12 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn remember(&mut self, backend: &B) {
         self.history.remember(backend, &self.motion.q);
+        self.contacts.iter_mut().for_each(|contacts| contacts.remember(backend));
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
         self.history.extrapolate(backend, &mut self.motion.q, omega);
+        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, omega));
     }
 
     fn tolerated_rise(&self) -> f64 {
@@ -378,9 +455,11 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn save(&mut self, backend: &B) {
         self.history.save(backend, &self.motion.q);
+        self.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
     }
 
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
+        self.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
     }
 }

@@ -5,10 +5,13 @@
 //! a tolerance (after each iteration), for the safeguard (after 8, 16, 32, 48, … iterations) and where a step is measured. What a
 //! device could not do is remembered and comes out where the frame is stored.
 //!
+//! Collisions are found, colored, solved and guarded there too: `collide.rs`.
+//!
 //! In Projective Dynamics a color is a range of particles and one dispatch; constraints that are neither springs nor flat hinges add
 //! one for each of their kinds, if projections are fused, and blocks two more. In Position Based Dynamics a color is a range of the
 //! constraints of each kind, and a dispatch for each kind that has some of it.
 
+mod collide;
 mod frame;
 mod history;
 mod kind;
@@ -23,11 +26,13 @@ use std::fmt::{self, Debug};
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Vec3, Vec4};
+use vivace_collision::Obstacle;
 use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, State};
 
+use crate::collisions::Collisions;
 use crate::engine::Engine;
-use crate::{Framework, Preconditioner, Relaxation, Solver, SolverError, Stages};
+use crate::{ContactReport, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages};
 use frame::Frame;
 use position_based::PositionBased;
 
@@ -50,6 +55,12 @@ trait Solve<B: Backend>: Send {
     fn prepare(&mut self, backend: &B, h: f32) -> Result<(), SolverError>;
     fn load(&mut self, backend: &B, state: &State);
     fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32);
+    fn set_collisions(&mut self, backend: &B, collisions: Option<&Collisions>) -> Result<(), SolverError>;
+    fn has_collisions(&self) -> bool;
+    fn collide(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError>;
+    fn relax_contacts(&mut self, backend: &B, omega: f32);
+    fn guard(&mut self, backend: &B);
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<(), SolverError>;
     fn begin(&mut self, backend: &B, h: f32);
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32);
     fn store(&mut self, backend: &B, model: &Model, state: &mut State) -> Result<(), SolverError>;
@@ -172,6 +183,33 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         frame.predict(backend, model, forces, h);
     }
 
+    fn set_collisions(&mut self, collisions: Option<&Collisions>) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.set_collisions(backend, collisions)
+    }
+
+    fn collide(
+        &mut self,
+        _: &Model,
+        collisions: &mut Collisions,
+        _: f32,
+        _: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.collide(backend, collisions.now())
+    }
+
+    fn guard(&mut self, _: &mut Collisions, _: &mut ContactReport) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.guard(backend);
+        Ok(())
+    }
+
+    fn report_contacts(&mut self, report: &mut ContactReport) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.report_contacts(backend, report)
+    }
+
     fn begin(&mut self, h: f32) {
         let Device { backend, frame } = self.device();
         frame.begin(backend, h);
@@ -194,7 +232,8 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
 
 impl<B: Backend + 'static> Stages for Device<B> {
     fn n_colors(&self) -> u32 {
-        u32::try_from(self.frame.n_colors()).unwrap_or(u32::MAX)
+        let n_colors = self.frame.n_colors() + usize::from(self.frame.has_collisions());
+        u32::try_from(n_colors).unwrap_or(u32::MAX)
     }
 
     fn project(&mut self) {
@@ -206,19 +245,30 @@ impl<B: Backend + 'static> Stages for Device<B> {
     }
 
     fn relax_color(&mut self, color: u32, omega: f32) {
-        self.frame.relax_color(&self.backend, color as usize, omega);
+        match color as usize {
+            color if color < self.frame.n_colors() => self.frame.relax_color(&self.backend, color, omega),
+            // After all other constraints come contacts.
+            _ => self.frame.relax_contacts(&self.backend, omega),
+        }
     }
 
     fn relax_color_from_previous(&mut self, color: u32, omega: f32) {
-        self.frame.relax_color_from_previous(&self.backend, color as usize, omega);
+        match color as usize {
+            color if color < self.frame.n_colors() => {
+                self.frame.relax_color_from_previous(&self.backend, color, omega);
+            }
+            _ => self.frame.relax_contacts(&self.backend, 1.0),
+        }
     }
 
     fn relax_all(&mut self, omega: f32) {
         self.frame.relax_all(&self.backend, omega);
+        self.frame.relax_contacts(&self.backend, 1.0);
     }
 
     fn relax_in_order(&mut self, omega: f32) {
         self.frame.relax_in_order(&self.backend, omega);
+        self.frame.relax_contacts(&self.backend, omega);
     }
 
     // `check` lets none of these come here.

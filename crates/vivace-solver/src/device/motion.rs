@@ -17,14 +17,15 @@ pub(super) struct Motion<B: Backend> {
     all: B::List,
     /// The latest positions \[m\].
     pub(super) q: B::Buffer<Vec4>,
-    before: B::Buffer<Vec4>,
+    /// Those at the start of the (small) step \[m\].
+    pub(super) before: B::Buffer<Vec4>,
     velocities: B::Buffer<Vec4>,
     accelerations: B::Buffer<Vec4>,
     /// What `accelerations` are everywhere, if they are.
     gravity: Option<Vec3>,
     /// The triangles at each particle: made when wind first blows.
     surface: Option<Surface<B>>,
-    inverse_masses: Vec<f32>,
+    pub(super) inverse_masses: Vec<f32>,
     /// What the host has handed out last, and whether the device still has it.
     stored: State,
     is_stored: bool,

@@ -2,6 +2,7 @@
 //! order.
 
 use glam::{Vec3, Vec4};
+use vivace_collision::Obstacle;
 use vivace_kernels::Backend;
 use vivace_kernels::constraint::Xpbd;
 use vivace_kernels::pbd::{Inertia, Residual, StepUniform};
@@ -9,14 +10,16 @@ use vivace_kernels::step::{CopyVector, SetVector, SetVectorUniform, SquaredDista
 use vivace_model::{Forces, Model, State};
 
 use super::Solve;
+use super::collide::Collider;
 use super::history::History;
 use super::kind::{Found, Kind, Kinds};
 use super::motion::Motion;
 use super::sums::Sums;
+use crate::collisions::Collisions;
 use crate::error::narrow;
-use crate::pbd::TOLERATED_RISE;
+use crate::pbd::{CONTACT_STIFFNESS, TOLERATED_RISE};
 use crate::pd::layout::Layout;
-use crate::{Relaxation, SolverError};
+use crate::{ContactReport, Relaxation, SolverError};
 
 /// A model prepared for Position Based Dynamics on a device, and all that changes in a frame.
 pub(super) struct PositionBased<B: Backend> {
@@ -30,7 +33,10 @@ pub(super) struct PositionBased<B: Backend> {
     motion: Motion<B>,
     history: History<B>,
     gradients: B::Buffer<Vec4>,
+    /// Numbers that are added up together.
+    groups: Vec<u32>,
     sums: Sums<B>,
+    contacts: Option<Collider<B>>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
 }
@@ -54,6 +60,8 @@ impl<B: Backend + 'static> PositionBased<B> {
             history: History::new(backend, n, n),
             gradients: zeros(),
             sums: Sums::new(backend, &groups),
+            groups,
+            contacts: None,
             failed: None,
             layout,
         };
@@ -81,6 +89,13 @@ impl<B: Backend + 'static> PositionBased<B> {
             self.failed = Some(failure(error));
             f64::NAN
         })
+    }
+
+    /// Makes room for what is added up.
+    fn fit_sums(&mut self, backend: &B) {
+        let groups = self.groups.iter().copied();
+        let all: Vec<u32> = groups.chain(self.contacts.iter().flat_map(Collider::groups)).collect();
+        self.sums = Sums::new(backend, &all);
     }
 
     /// The root of the mean of a number of each particle over those that are free.
@@ -112,6 +127,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn prepare(&mut self, backend: &B, _: f32) -> Result<(), SolverError> {
+        self.contacts.iter_mut().for_each(|contacts| contacts.begin_step(backend));
         self.kinds.iter_mut().for_each(|kind| kind.prepare(backend));
         Ok(())
     }
@@ -125,12 +141,55 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.motion.predict(backend, model, &self.layout, forces, h);
     }
 
+    fn set_collisions(&mut self, backend: &B, collisions: Option<&Collisions>) -> Result<(), SolverError> {
+        let of =
+            |collisions| Collider::new(backend, collisions, &self.layout.place, CONTACT_STIFFNESS, false);
+        self.contacts = collisions.map(of).transpose()?;
+        if let Some(contacts) = &mut self.contacts {
+            contacts.set_mobility(backend, &self.motion.inverse_masses);
+        }
+        self.fit_sums(backend);
+        Ok(())
+    }
+
+    fn has_collisions(&self) -> bool {
+        self.contacts.is_some()
+    }
+
+    fn collide(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(()) };
+        if contacts.detect(backend, &self.motion.before, &self.motion.q, obstacles)? {
+            self.fit_sums(backend);
+        }
+        Ok(())
+    }
+
+    fn relax_contacts(&mut self, backend: &B, omega: f32) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.relax(backend, omega, &mut self.motion.q, None);
+        }
+    }
+
+    fn guard(&mut self, backend: &B) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.guard(backend, &self.motion.before, &mut self.motion.q);
+        }
+    }
+
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<(), SolverError> {
+        if let Some(contacts) = &mut self.contacts {
+            *report = contacts.report(backend, &self.motion.q, &mut self.sums).map_err(failure)?;
+        }
+        Ok(())
+    }
+
     fn begin(&mut self, backend: &B, h: f32) {
         self.squared_h = h * h;
         let q = &self.motion.q;
         backend.map::<CopyVector>(&self.particles, &(), (backend.view(q),), &mut self.predicted);
         self.history.begin(backend, q);
         self.kinds.iter_mut().for_each(|kind| kind.begin(backend));
+        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend, h));
     }
 
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32) {
@@ -181,11 +240,13 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn remember(&mut self, backend: &B) {
         self.history.remember(backend, &self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.remember(backend));
+        self.contacts.iter_mut().for_each(|contacts| contacts.remember(backend));
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
         self.history.extrapolate(backend, &mut self.motion.q, omega);
         self.kinds.iter_mut().for_each(|kind| kind.extrapolate(backend, omega));
+        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, omega));
     }
 
     fn moved(&mut self, backend: &B) -> f32 {
@@ -205,6 +266,9 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         for kind in &self.kinds {
             kind.add_energy(backend, &motion.q, sums);
         }
+        if let Some(contacts) = &self.contacts {
+            contacts.add_energy(backend, 1.0 / self.squared_h, &motion.q, sums);
+        }
         self.total(backend)
     }
 
@@ -213,8 +277,11 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn residual(&mut self, backend: &B) -> f64 {
-        let nothing = SetVectorUniform { value: Vec4::ZERO };
+        let nothing = SetVectorUniform { value: Vec4::W };
         backend.map::<SetVector>(&self.particles, &nothing, (), &mut self.gradients);
+        if let Some(contacts) = &self.contacts {
+            contacts.add_gradient(backend, 1.0 / self.squared_h, &mut self.gradients);
+        }
         let q = &self.motion.q;
         for kind in &self.kinds {
             kind.add_gradient(backend, &self.particles, q, &mut self.gradients);
@@ -236,10 +303,12 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn save(&mut self, backend: &B) {
         self.history.save(backend, &self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.save(backend));
+        self.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
     }
 
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.restore(backend));
+        self.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
     }
 }
