@@ -1,11 +1,13 @@
-//! Frames of one large cloth, which never come to the host but at the end.
+//! Frames of one large cloth, alone or with collisions, which never come to the host but at the end.
 
+use std::path::Path;
 use std::time::Instant;
 
 use vivace_gpu::{Footprint, Gpu, KernelTime};
 use vivace_mesh::cloth as cloths;
 use vivace_model::{Forces, Model, ModelBuilder, State};
-use vivace_solver::{Base, Budget, Framework, Relaxation, Solver, SolverError, System};
+use vivace_scene::drape;
+use vivace_solver::{Base, Budget, Collisions, Framework, Relaxation, Solver, SolverError, System};
 
 use super::BenchError;
 use super::kernels::{self, Copies};
@@ -38,10 +40,43 @@ pub(super) fn table() -> Table {
     )
 }
 
+/// What is simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scene {
+    /// A cloth that hangs on two corners.
+    Cloth,
+    /// A cloth that falls on a ball, and collides with it and with itself.
+    Drape,
+}
+
+impl Scene {
+    /// About so many constraints.
+    fn build(self, n_constraints: usize) -> Result<(Model, State), FigureError> {
+        match self {
+            Self::Cloth => cloth(n_constraints),
+            Self::Drape => Ok(drape(width(n_constraints / 2)).build(Path::new("."))?),
+        }
+    }
+
+    /// Lets the model collide, if it does.
+    fn collide(self, system: &mut System, state: &State) -> Result<(), SolverError> {
+        let of = drape(width(state.positions.len() * 3)).collisions.filter(|_| self == Self::Drape);
+        let Some(of) = of else { return Ok(()) };
+        let mut collisions = Collisions::new(system.model(), &state.positions, of.options())?;
+        // No files: a ball and the floor.
+        collisions.obstacles_mut().extend(of.obstacles(Path::new(".")).unwrap_or_default());
+        system.set_collisions(Some(collisions))
+    }
+}
+
+/// Particles along a side of a square cloth of about so many springs: three a particle; the root, to the nearest number.
+fn width(n_springs: usize) -> usize {
+    (4 * n_springs / 3).isqrt().div_ceil(2).max(2)
+}
+
 /// A square cloth of springs of about so many constraints, two corners pinned.
 fn cloth(n_constraints: usize) -> Result<(Model, State), FigureError> {
-    // Three springs a particle; the root, to the nearest number.
-    let n = (4 * n_constraints / 3).isqrt().div_ceil(2).max(2);
+    let n = width(n_constraints);
     let mesh = cloths::regular(n, n, 1.0 / (n as f32 - 1.0))?;
     let mut builder = ModelBuilder::new();
     builder.cloth(&mesh, 0.2)?;
@@ -66,37 +101,41 @@ fn frame(system: &mut System, state: &mut State) -> Result<(), SolverError> {
 }
 
 /// What the frames of a model will have allocated on a device, without one.
-fn bytes(model: &Model, state: &State) -> Result<u64, SolverError> {
+fn bytes(scene: Scene, model: &Model, state: &State) -> Result<u64, SolverError> {
     let device = Footprint::new();
     let mut system = System::on(model.clone(), solver(), device.clone())?;
+    scene.collide(&mut system, state)?;
     frame(&mut system, &mut state.clone())?;
     Ok(device.allocated())
 }
 
 /// Adds the frames of a cloth of about so many constraints; what the device refuses is noted.
 pub(super) fn frames(
+    scene: Scene,
     n_constraints: usize,
     copies: Copies,
     table: &mut Table,
     by_kernel: &mut Table,
 ) -> Result<(), BenchError> {
-    let (model, state) = cloth(n_constraints)?;
-    let (n_springs, n_particles) = (model.constraints().springs.len(), model.n_particles());
-    let bytes = bytes(&model, &state).map_err(FigureError::from)?;
+    let (model, state) = scene.build(n_constraints)?;
+    let (n_constraints, n_particles) = (model.constraints().len(), model.n_particles());
+    let bytes = bytes(scene, &model, &state).map_err(FigureError::from)?;
     let row = |colors: usize, numbers: [f64; 6], note: String| {
-        let mut row = vec![n_springs.into(), n_particles.into(), colors.into(), (bytes as f64).into()];
+        let mut row = vec![n_constraints.into(), n_particles.into(), colors.into(), (bytes as f64).into()];
         row.extend(numbers.map(Into::into));
         row.push(note.into());
         row
     };
-    match measured(model, state) {
+    let with = if scene == Scene::Drape { "falls on a ball, with collisions" } else { "" };
+    match measured(scene, model, state) {
         Ok(run) => {
             let updates = (n_particles * SWEEPS as usize) as f64 / run.ms * 1e3;
             let kernels_ms = run.kernels.iter().map(|kernel| kernel.seconds * 1e3).sum();
             let us = run.ms * 1e3 / run.dispatches;
             let numbers = [run.ms, run.ms_min, kernels_ms, run.dispatches, us, updates];
-            table.push(row(run.colors, numbers, String::new()));
-            kernels::push(&format!("frame of {n_springs} constraints"), &run.kernels, copies, by_kernel);
+            table.push(row(run.colors, numbers, with.to_owned()));
+            let name = format!("frame of {n_constraints} constraints {with}");
+            kernels::push(name.trim_end(), &run.kernels, copies, by_kernel);
             Ok(())
         }
         Err(SolverError::Device(error)) => {
@@ -116,11 +155,13 @@ struct Frames {
     kernels: Vec<KernelTime>,
 }
 
-fn measured(model: Model, mut state: State) -> Result<Frames, SolverError> {
+fn measured(scene: Scene, model: Model, mut state: State) -> Result<Frames, SolverError> {
     let gpu = Gpu::new().map_err(|error| SolverError::Device(Box::new(error)))?;
     let mut system = System::on(model, solver(), gpu)?;
-    // The first frames make pipelines and buffers.
-    (0..2).try_for_each(|_| frame(&mut system, &mut state))?;
+    scene.collide(&mut system, &state)?;
+    // The first frames make pipelines and buffers; the ball is met after nine.
+    let n_first = if scene == Scene::Drape { 20 } else { 2 };
+    (0..n_first).try_for_each(|_| frame(&mut system, &mut state))?;
     let count = |system: &mut System| system.resident::<Gpu>().map_or(0, |at| at.backend.n_dispatches());
     let before = count(&mut system);
     let mut times = Vec::new();
@@ -167,7 +208,7 @@ mod tests {
     fn bytes_grow_with_the_cloth() {
         let [small, large] = [100, 10_000].map(|n| {
             let (model, state) = cloth(n).unwrap();
-            bytes(&model, &state).unwrap()
+            bytes(Scene::Cloth, &model, &state).unwrap()
         });
         assert!(large > small && large < 50_000_000, "{small} {large}");
     }

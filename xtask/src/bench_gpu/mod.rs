@@ -101,7 +101,9 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
     let mut frames = frames::table();
     for n in sizes {
         progress.step(&format!("frames of {} constraints", Value::from(n).shown()));
-        frames::frames(n, copies, &mut frames, &mut by_kernel)?;
+        for scene in [frames::Scene::Cloth, frames::Scene::Drape] {
+            frames::frames(scene, n, copies, &mut frames, &mut by_kernel)?;
+        }
     }
     let mut colorings = measure::colorings_table();
     for workload in workloads {
