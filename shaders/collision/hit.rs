@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 
-use super::proximity::{self, EDGES, Motion, is_clear};
+use super::proximity::{self, EDGES, Motion, gap, is_clear};
 use crate::{HostViews, Kernel, Lower};
 
 /// When pair `i` comes nearer than the gap on its straight way: lowers the part of its way that each of its particles may go, as the
@@ -21,6 +21,8 @@ pub struct HitUniform {
     pub gap: f32,
     /// See `gap` \[1\].
     pub gap_of_start: f32,
+    /// Pairs nearer than this at the start come no nearer at all \[m\]: `f32` would lose their side.
+    pub floor: f32,
     /// Whether particles that hit stay where they are.
     pub stays: u32,
     /// How many particles there are.
@@ -34,17 +36,26 @@ impl Kernel for Hit {
     type Inputs = ([u32; 4], Vec4, Vec4);
 }
 
+/// Of a gap below the floor, what counts as kept.
+const KEPT: f32 = 0.99;
+
 fn time(uniform: &HitUniform, motion: &Motion) -> Option<f32> {
     if motion.speed == 0.0 || is_clear(motion.is_edges, &motion.start, &motion.end, uniform.gap) {
         return None;
     }
-    let apart = motion.at(0.0).separation.length();
+    let axis = motion.at(0.0).separation;
+    let apart = axis.length();
     // What touches at the start has no side to be kept on.
     if apart <= 0.0 {
         return None;
     }
-    let gap = uniform.gap.min(uniform.gap_of_start * apart);
-    motion.first_within(gap, 0.0).map(|(time, _)| time)
+    if apart < uniform.floor {
+        // Along the axis between them, the gap is a concave function of time.
+        let [start, end] = [&motion.start, &motion.end].map(|x| gap(motion.is_edges, axis, x));
+        return (end < KEPT * start).then_some(0.0);
+    }
+    let reach = uniform.gap.min(uniform.gap_of_start * apart);
+    motion.first_within(reach, 0.0).map(|(time, _)| time)
 }
 
 impl Lower<9> for Hit {

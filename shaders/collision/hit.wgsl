@@ -3,9 +3,12 @@
 struct Params {
     gap: f32,
     gap_of_start: f32,
+    floor: f32,
     stays: u32,
     n: u32,
 }
+
+const KEPT = 0.99;
 
 @group(0) @binding(3) var<uniform> params: Params;
 @group(1) @binding(0) var<storage, read> pairs: array<vec4<u32>>;
@@ -22,15 +25,23 @@ fn lower(i: u32) {
     if m.speed == 0.0 || is_clear(is_edges, start, end, params.gap) {
         return;
     }
-    let apart = length(nearest_at(m, 0.0).separation);
+    let axis = nearest_at(m, 0.0).separation;
+    let apart = length(axis);
     if apart <= 0.0 {
         return;
     }
-    let met = first_within(m, min(params.gap, params.gap_of_start * apart), 0.0);
-    if met.time < 0.0 {
-        return;
+    var time = 0.0;
+    if apart < params.floor {
+        if !(gap_along(is_edges, axis, end) < KEPT * gap_along(is_edges, axis, start)) {
+            return;
+        }
+    } else {
+        time = first_within(m, min(params.gap, params.gap_of_start * apart), 0.0).time;
+        if time < 0.0 {
+            return;
+        }
     }
-    let part = select(bitcast<u32>(met.time), 0u, params.stays != 0u);
+    let part = select(bitcast<u32>(time), 0u, params.stays != 0u);
     for (var k = 0u; k < 4u; k++) {
         lower_to(ids[k], part);
         lower_to(params.n + 1u + ids[k], 0u);

@@ -113,7 +113,8 @@ pub(super) fn is_clear(is_edges: bool, start: &[Vec3; 4], end: &[Vec3; 4], reach
     gap(is_edges, axis, start) > least && gap(is_edges, axis, end) > least
 }
 
-fn gap(is_edges: bool, axis: Vec3, x: &[Vec3; 4]) -> f32 {
+/// How far apart two primitives are along an axis, times its length \[m\]; the first point lies at the origin.
+pub(super) fn gap(is_edges: bool, axis: Vec3, x: &[Vec3; 4]) -> f32 {
     let (a, b, c) = (axis.dot(x[1]), axis.dot(x[2]), axis.dot(x[3]));
     if is_edges { a.min(0.0) - b.max(c) } else { -a.max(b).max(c) }
 }

@@ -418,7 +418,7 @@ fn guard<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
     for stays in [0, 1] {
         let list = sample_of(backend, data.pairs.len(), KEY);
         let mut parts = guarded(backend, &vec![u32::MAX; 2 * n as usize + 1]);
-        let uniform = HitUniform { gap: 0.004, gap_of_start: 0.5, stays, n };
+        let uniform = HitUniform { gap: 0.004, gap_of_start: 0.5, floor: 1e-3, stays, n };
         let inputs = (backend.view(&pairs), backend.view(&from), backend.view(&to));
         backend.lower::<Hit, 9>(&list, &uniform, inputs, &mut parts);
         let parts = backend.read(parts)?;

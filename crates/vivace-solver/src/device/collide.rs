@@ -47,6 +47,8 @@ const COLOR_ROUNDS: u32 = 16;
 /// Of the thickness, the gap that the guard leaves; of the distance at the start, the gap that is left at most.
 const GAP: f32 = 0.1;
 const GAP_OF_START: f32 = 0.8;
+/// Of the thickness: pairs nearer than that come no nearer at all.
+const FLOOR: f32 = 1e-3;
 /// What each round of the guard asks for less than the one before, so that it accepts what that one left.
 const LESS: f32 = 0.88;
 /// Rounds in which ways are shortened, and after that rounds in which particles that hit stay where they are.
@@ -632,6 +634,7 @@ impl<B: Backend> Collider<B> {
         let uniform = HitUniform {
             gap: GAP * self.options.thickness * less,
             gap_of_start: GAP_OF_START * less,
+            floor: FLOOR * self.options.thickness,
             stays: u32::from(round >= SHORTENING_ROUNDS),
             n: self.n,
         };
