@@ -1,8 +1,9 @@
 //! What runs kernels.
 
+use std::fmt;
 use std::ops::Range;
 
-use crate::{CountDown, Element, Expand, Lower, Map, Memory, Scatter, Select, Update, Views};
+use crate::{CountDown, Element, Expand, Host, Lower, Map, Memory, Scatter, Select, Update, Views};
 
 /// Runs kernels over arrays that it keeps.
 ///
@@ -58,19 +59,19 @@ pub trait Backend {
     fn indices(&self, list: &Self::List) -> Result<Vec<u32>, Self::Error>;
 
     /// Writes element `i` of `output` for each `i` in `list`.
-    fn map<K: Map>(
+    fn map<'a, K: Map>(
         &self,
         list: &Self::List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Self::Memory>,
         output: &mut Self::Buffer<K::Output>,
     );
 
     /// Updates element `i` of `state` for each `i` in `list`, all at once.
-    fn update<K: Update>(
+    fn update<'a, K: Update>(
         &self,
         list: &Self::List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Self::Memory>,
         state: &mut Self::Buffer<K::State>,
     );
@@ -85,10 +86,10 @@ pub trait Backend {
     );
 
     /// Writes to `state` what `K` scatters for each `i` in `list`, and element `i` of `own`, all at once.
-    fn scatter<K: Scatter<N>, const N: usize>(
+    fn scatter<'a, K: Scatter<N>, const N: usize>(
         &self,
         list: &Self::List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Self::Memory>,
         state: &mut Self::Buffer<K::State>,
         own: &mut Self::Buffer<K::Own>,
@@ -133,6 +134,10 @@ pub trait Backend {
         lowest: &mut Self::Buffer<u32>,
     );
 
+    /// The elements of `keys` by key: for each key below `n_keys`, of which there are [`MOST_KEYS`](crate::MOST_KEYS) at most, the list of
+    /// the elements that have it, ascending. Those with larger keys are in none.
+    fn group_by(&self, keys: &Self::Buffer<u32>, n_keys: u32) -> Vec<Self::List>;
+
     /// Takes one from each counter that is a target of each `i` in `list`.
     fn count_down<K: CountDown>(
         &self,
@@ -150,6 +155,51 @@ pub trait Backend {
         list: &mut Self::List,
         round: impl FnMut(u32, &mut Self::List),
     ) -> RoundCount;
+}
+
+/// The parameters of a run. `&uniform` is one: known to the host.
+pub enum Params<'a, B: Backend + ?Sized, U: Element> {
+    /// Known to the host.
+    Known(&'a U),
+    /// An element of an array, as it is when the run comes to it. It begins at a multiple of [`PARAMS_BYTES`], and there are as many behind
+    /// it.
+    Found(&'a B::Buffer<U>, usize),
+}
+
+/// Where parameters in an array may begin: see [`Params::Found`].
+pub const PARAMS_BYTES: usize = 256;
+
+impl<B: Backend + ?Sized, U: Element> Clone for Params<'_, B, U> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<B: Backend + ?Sized, U: Element> Copy for Params<'_, B, U> {}
+
+impl<B: Backend + ?Sized, U: Element> fmt::Debug for Params<'_, B, U> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if matches!(self, Self::Known(_)) { "Known" } else { "Found" })
+    }
+}
+
+impl<'a, B: Backend + ?Sized, U: Element> From<&'a U> for Params<'a, B, U> {
+    fn from(known: &'a U) -> Self {
+        Self::Known(known)
+    }
+}
+
+impl<'a, B: Backend<Memory = Host> + ?Sized, U: Element> Params<'a, B, U>
+where
+    B::Buffer<U>: AsRef<[U]>,
+{
+    /// The parameters, where arrays lie on the host.
+    pub fn on_host(self) -> &'a U {
+        match self {
+            Self::Known(known) => known,
+            Self::Found(array, idx) => &array.as_ref()[idx],
+        }
+    }
 }
 
 /// A view in the memory of backend `B`.

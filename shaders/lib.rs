@@ -20,6 +20,8 @@ pub mod coloring;
 pub mod constraint;
 #[path = "common/lanes.rs"]
 pub mod lanes;
+#[path = "linear/mod.rs"]
+pub mod linear;
 #[path = "local/mod.rs"]
 pub mod local;
 #[path = "common/mat3.rs"]
@@ -33,9 +35,9 @@ pub mod pd;
 #[path = "step/mod.rs"]
 pub mod step;
 
-pub use backend::{Backend, RoundCount, View};
+pub use backend::{Backend, PARAMS_BYTES, Params, RoundCount, View};
 pub use kernel::{
     CountDown, Element, Expand, Host, HostViews, Inputs, Kernel, Lower, Map, Memory, Scatter, Select, Update,
     ViewVisitor, Views,
 };
-pub use shader::{Form, ListShader, Shader};
+pub use shader::{Form, ListShader, MOST_KEYS, Shader};

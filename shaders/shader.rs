@@ -142,6 +142,7 @@ impl Shader {
 }
 
 const RUN: &str = include_str!("device/run.wgsl");
+const PREFIX: &str = include_str!("device/prefix.wgsl");
 const DECISIONS: &str = include_str!("device/decisions.wgsl");
 const PLACES: &str = include_str!("device/places.wgsl");
 
@@ -160,11 +161,30 @@ pub enum ListShader {
     Place,
     /// The first elements of a list, as many as its length says.
     Number,
+    /// How many elements of each group have each key.
+    CountKeys,
+    /// After a count of keys: where the elements of each begin.
+    ScanKeys,
+    /// After a scan of keys: the elements of all lists.
+    PlaceKeys,
 }
+
+/// Most keys of a sort, as in `run.wgsl`.
+pub const MOST_KEYS: u32 = 64;
 
 impl ListShader {
     /// Each of them.
-    pub const ALL: [Self; 6] = [Self::Fill, Self::All, Self::Scan, Self::Split, Self::Place, Self::Number];
+    pub const ALL: [Self; 9] = [
+        Self::Fill,
+        Self::All,
+        Self::Scan,
+        Self::Split,
+        Self::Place,
+        Self::Number,
+        Self::CountKeys,
+        Self::ScanKeys,
+        Self::PlaceKeys,
+    ];
 
     /// File stem and label.
     #[must_use]
@@ -176,6 +196,9 @@ impl ListShader {
             Self::Split => "split",
             Self::Place => "place",
             Self::Number => "number",
+            Self::CountKeys => "count_keys",
+            Self::ScanKeys => "scan_keys",
+            Self::PlaceKeys => "place_keys",
         }
     }
 
@@ -185,10 +208,13 @@ impl ListShader {
         let parts: &[&str] = match self {
             Self::Fill => &[RUN, include_str!("device/fill.wgsl")],
             Self::All => &[RUN, include_str!("device/all.wgsl")],
-            Self::Scan => &[RUN, DECISIONS, include_str!("device/scan.wgsl")],
+            Self::Scan => &[RUN, DECISIONS, PREFIX, include_str!("device/scan.wgsl")],
             Self::Split => &[RUN, DECISIONS, include_str!("device/split.wgsl")],
             Self::Place => &[RUN, PLACES, include_str!("device/place.wgsl")],
             Self::Number => &[RUN, include_str!("device/number.wgsl")],
+            Self::CountKeys => &[RUN, include_str!("device/count_keys.wgsl")],
+            Self::ScanKeys => &[RUN, PREFIX, include_str!("device/scan_keys.wgsl")],
+            Self::PlaceKeys => &[RUN, include_str!("device/place_keys.wgsl")],
         };
         parts.join("\n")
     }

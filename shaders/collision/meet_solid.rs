@@ -43,18 +43,20 @@ impl Select for MeetSolid {
         }
         let foot = point - seen.distance * seen.normal;
         let origin = solid.ended(foot);
+        let moved = origin - solid.begun(foot);
         *own = Contact {
             particles: [i; 4],
             weights: Vec4::X,
             normal: solid.turned(seen.normal),
             distance: solid.distance,
-            start: from.truncate() + (origin - solid.begun(foot)),
+            start: from.truncate() + moved,
             friction: solid.friction,
             origin,
             free: 1,
+            way: moved,
             ahead: 0.0,
             inverse_mass: from.w,
-            padding: [0; 2],
+            padding: [0; 3],
         };
         own.ahead = own.slip(to.truncate()).length();
         true

@@ -30,19 +30,21 @@ fn select_element(i: u32) -> bool {
     let foot = point - seen.distance * seen.normal;
     let origin = rotate(params.rotations[1], foot) + params.end;
     let begun = rotate(params.rotations[0], foot) + params.begin;
+    let moved = origin - begun;
     let normal = rotate(params.rotations[1], seen.normal);
     contacts[i] = Contact(
         vec4(i),
         vec4(1.0, 0.0, 0.0, 0.0),
         normal,
         params.distance,
-        first.xyz + (origin - begun),
+        first.xyz + moved,
         params.friction,
         origin,
         1u,
+        moved,
         0.0,
         first.w,
-        vec2(0u),
+        array<u32, 3>(),
     );
     contacts[i].ahead = length(slip(contacts[i], q_to[i].xyz));
     return true;

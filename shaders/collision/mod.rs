@@ -14,6 +14,7 @@ mod draw_color;
 mod drift;
 mod find_value;
 mod has_color;
+mod held_velocity;
 mod hit;
 mod hold;
 mod keep_out;
@@ -22,6 +23,7 @@ mod meet_solid;
 mod proximity;
 mod push;
 mod release_color;
+mod renew;
 mod settle_color;
 mod shorten;
 mod solid;
@@ -42,6 +44,7 @@ pub use draw_color::{ClaimUniform, DrawColor};
 pub use drift::{Drift, DriftUniform};
 pub use find_value::{FindValue, FindValueUniform};
 pub use has_color::{HasColor, HasColorUniform};
+pub use held_velocity::{HeldVelocity, HeldVelocityUniform};
 pub use hit::{Hit, HitUniform};
 pub use hold::{Friction, Hold, HoldUniform};
 pub use keep_out::KeepOut;
@@ -50,6 +53,7 @@ pub use meet_solid::MeetSolid;
 pub use proximity::EDGES;
 pub use push::{Push, PushUniform};
 pub use release_color::ReleaseColor;
+pub use renew::{Renew, RenewUniform};
 pub use settle_color::SettleColor;
 pub use shorten::{Shorten, ShortenUniform};
 pub use solid::{Solid, SolidShape};
@@ -76,20 +80,22 @@ pub struct Contact {
     pub normal: Vec3,
     /// The least distance to be kept \[m\].
     pub distance: f32,
-    /// Σ weights · q at the start of the frame, moved along with a solid \[m\].
+    /// Σ weights · q at the start of the (small) step, moved along with a solid \[m\].
     pub start: Vec3,
     /// Coulomb's coefficient \[1\].
     pub friction: f32,
-    /// Point of a solid's surface at the end of the frame \[m\]; 0 between two primitives.
+    /// Point of a solid's surface at the end of the (small) step \[m\]; 0 between two primitives.
     pub origin: Vec3,
     /// A bit for each particle that is free to move.
     pub free: u32,
+    /// How far that point goes in the whole step \[m\].
+    pub way: Vec3,
     /// How far the two sides were predicted to slip along each other \[m\].
     pub ahead: f32,
     /// Σ weights²/m \[1/kg\].
     pub inverse_mass: f32,
     /// Fills up what WGSL aligns.
-    pub padding: [u32; 2],
+    pub padding: [u32; 3],
 }
 
 impl Contact {
@@ -108,7 +114,7 @@ impl Contact {
         self.distance - self.normal.dot(aq - self.origin)
     }
 
-    /// How far `aq` has slipped across the normal since the start of the frame \[m\].
+    /// How far `aq` has slipped across the normal since the start of the (small) step \[m\].
     fn slip(&self, aq: Vec3) -> Vec3 {
         let moved = aq - self.start;
         moved - self.normal * self.normal.dot(moved)
@@ -125,7 +131,7 @@ fn entry(particle: u32, color: u32, mask: u32) -> u32 {
 }
 
 /// Every kernel of this module.
-pub const SHADERS: [Shader; 20] = [
+pub const SHADERS: [Shader; 22] = [
     Shader::update::<Bound>(),
     Shader::lower::<ClaimColor, 4>(),
     Shader::map::<ContactDepth>(),
@@ -135,6 +141,7 @@ pub const SHADERS: [Shader; 20] = [
     Shader::map::<Drift>(),
     Shader::expand::<FindValue>(),
     Shader::select::<HasColor>(),
+    Shader::map::<HeldVelocity>(),
     Shader::lower::<Hit, 9>(),
     Shader::scatter::<Hold, 4>(),
     Shader::map::<KeepOut>(),
@@ -142,6 +149,7 @@ pub const SHADERS: [Shader; 20] = [
     Shader::select::<MeetSolid>(),
     Shader::scatter::<Push, 4>(),
     Shader::map::<ReleaseColor>(),
+    Shader::map::<Renew>(),
     Shader::select::<SettleColor>(),
     Shader::select::<Shorten>(),
     Shader::map::<SweptBox>(),

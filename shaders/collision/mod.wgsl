@@ -14,9 +14,10 @@ struct Contact {
     friction: f32,
     origin: vec3<f32>,
     free: u32,
+    way: vec3<f32>,
     ahead: f32,
     inverse_mass: f32,
-    padding: vec2<u32>,
+    padding: array<u32, 3>,
 }
 
 // The sum of weights and positions, relative to the first where nothing would cancel.

@@ -93,9 +93,10 @@ impl Expand for Touch {
             friction: uniform.friction,
             origin: Vec3::ZERO,
             free,
+            way: Vec3::ZERO,
             ahead: 0.0,
             inverse_mass: Vec4::from([0, 1, 2, 3].map(weight)).dot(nearest.weights * nearest.weights),
-            padding: [0; 2],
+            padding: [0; 3],
         };
         contact.start = contact.apply(from);
         contact.ahead = contact.slip(contact.apply(to)).length();

@@ -68,7 +68,7 @@ fn expand(i: u32) {
         let begun = weighed(weights, a.xyz, b.xyz, c.xyz, d.xyz);
         let normal = met.nearest.separation / size;
         let inverse_mass = dot(vec4(a.w, b.w, c.w, d.w), weights * weights);
-        var contact = Contact(ids, weights, normal, distance, begun, params.friction, vec3(0.0), free, 0.0, inverse_mass, vec2(0u));
+        var contact = Contact(ids, weights, normal, distance, begun, params.friction, vec3(0.0), free, vec3(0.0), 0.0, inverse_mass, array<u32, 3>());
         contact.ahead = length(slip(contact, weighed(weights, q_to[ids.x].xyz, q_to[ids.y].xyz, q_to[ids.z].xyz, q_to[ids.w].xyz)));
         contacts[place] = contact;
     }

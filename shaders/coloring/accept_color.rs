@@ -4,9 +4,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::row;
+use super::{UNCOLORED, row};
 use crate::pcg::{self, hash};
-use crate::{HostViews, Kernel, Select};
+use crate::{HostViews, Kernel, Map, Select};
 
 /// The vertices of the list whose proposal stands, which becomes their color; reads (offsets, neighbors, proposal).
 #[derive(Debug)]
@@ -61,5 +61,17 @@ impl Select for AcceptColor {
         }
         *color = mine;
         true
+    }
+}
+
+/// The same where colored vertices are in the list, too: nothing is taken out of it.
+impl Map for AcceptColor {
+    type Output = u32;
+
+    #[inline]
+    fn map(v: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>, color: &mut u32) {
+        if *color == UNCOLORED {
+            Self::select(v, uniform, inputs, color);
+        }
     }
 }

@@ -33,3 +33,12 @@ fn select_element(v: u32) -> bool {
     color[v] = mine;
     return true;
 }
+
+// The same where colored vertices are in the list, too.
+const UNCOLORED = 0xffffffffu;
+
+fn map(v: u32) {
+    if color[v] == UNCOLORED {
+        _ = select_element(v);
+    }
+}

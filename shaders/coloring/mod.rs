@@ -1,9 +1,11 @@
 //! Kernels of the round-based graph colorings. One file each; `Csr` arrays come as (offsets, neighbors).
 
 mod accept_color;
+mod color_instead;
 mod degree_weight;
 mod first_fit;
 mod is_colored;
+mod lacks_color;
 mod leave_neighbors;
 mod local_maximum;
 mod neighbor_has_color;
@@ -15,9 +17,11 @@ mod take_color;
 use crate::Shader;
 
 pub use accept_color::{AcceptColor, AcceptColorUniform, CONFLICT_HASH, CONFLICT_INDEX, CONFLICT_NONE};
+pub use color_instead::ColorInstead;
 pub use degree_weight::DegreeWeight;
 pub use first_fit::FirstFit;
 pub use is_colored::IsColored;
+pub use lacks_color::{LacksColor, LacksColorUniform};
 pub use leave_neighbors::LeaveNeighbors;
 pub use local_maximum::{LocalMaximum, LocalMaximumUniform};
 pub use neighbor_has_color::{NeighborHasColor, NeighborHasColorUniform};
@@ -27,12 +31,15 @@ pub use set_value::{SetValue, SetValueUniform};
 pub use take_color::{TakeColor, TakeColorUniform};
 
 /// Every kernel of this module in every form that the colorings use.
-pub const SHADERS: [Shader; 12] = [
+pub const SHADERS: [Shader; 15] = [
+    Shader::map::<AcceptColor>(),
     Shader::select::<AcceptColor>(),
+    Shader::map::<ColorInstead>(),
     Shader::map::<DegreeWeight>(),
     Shader::update::<FirstFit>(),
     Shader::update_in_order::<FirstFit>(),
     Shader::select::<IsColored>(),
+    Shader::count_down::<LacksColor>(),
     Shader::count_down::<LeaveNeighbors>(),
     Shader::select::<LocalMaximum>(),
     Shader::select::<NeighborHasColor>(),

@@ -7,11 +7,11 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{first_free_color, row, used_colors};
+use super::{UNCOLORED, first_free_color, row, used_colors};
 use crate::pcg::{self, hash};
 use crate::{HostViews, Kernel, Map};
 
-/// Proposal of each vertex of the list; reads (offsets, neighbors, color).
+/// Proposal of each vertex of the list that has no color; reads (offsets, neighbors, color).
 #[derive(Debug)]
 pub struct ProposeColor;
 
@@ -53,6 +53,9 @@ impl Map for ProposeColor {
         (offsets, neighbors, color): HostViews<'_, Self>,
         proposal: &mut u32,
     ) {
+        if color[v as usize] != UNCOLORED {
+            return;
+        }
         let neighbors = row(v, offsets, neighbors);
         let degree = offsets[v as usize + 1] - offsets[v as usize];
         let palette = uniform.palette_size(degree);

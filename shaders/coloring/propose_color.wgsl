@@ -24,7 +24,12 @@ fn window(v: u32, palette: u32, base: u32) -> u32 {
     return offered & ~used_colors(v, base);
 }
 
+const UNCOLORED = 0xffffffffu;
+
 fn map(v: u32) {
+    if color[v] != UNCOLORED {
+        return;
+    }
     let degree = offsets[v + 1u] - offsets[v];
     let palette = palette_size(degree);
     var free = window(v, palette, 0u);

@@ -65,6 +65,21 @@ impl Contact {
         self.reach = if depth > 0.0 { (self.ahead - taken).max(0.0) } else { f32::INFINITY };
     }
 
+    /// What the particle in `slot` is asked for at `aq` \[N\], and how stiff the contact is to it along the normal and across \[N/m\]:
+    /// [`Constraint::pull`] and [`Constraint::block`], together.
+    #[inline]
+    #[must_use]
+    pub fn act(&self, slot: usize, aq: Vec3) -> (Vec3, f32, f32) {
+        let weight = self.stiffness * self.weights[slot];
+        let (depth, entry) = (self.depth(aq).max(0.0), weight * self.weights[slot]);
+        if self.reach.is_infinite() {
+            return (self.normal * (weight * depth), entry, 0.0);
+        }
+        let excess = self.excess(aq);
+        let across = if excess == Vec3::ZERO { 0.0 } else { entry };
+        ((self.normal * depth - excess) * weight, entry, across)
+    }
+
     /// Whether one side is an obstacle.
     #[inline]
     fn is_outer(&self) -> bool {

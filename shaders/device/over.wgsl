@@ -15,5 +15,5 @@ fn element(k: u32) -> u32 {
     if run.list == RANGE {
         return run.first + k;
     }
-    return list[k];
+    return list[headers[run.list].first + k];
 }

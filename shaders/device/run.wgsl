@@ -4,10 +4,14 @@
 const GROUP = 256u;
 const ROW = 32768u;
 
-// A list of indices: the grid of a run over it, as an indirect dispatch reads it, and its length.
+// Most keys of a sort.
+const MOST_KEYS = 64u;
+
+// A list of indices: the grid of a run over it, as an indirect dispatch reads it, its length, and where it begins.
 struct Header {
     grid: array<u32, 3>,
     len: u32,
+    first: u32,
 }
 
 // The lists of this run, as places in `headers`.
@@ -25,7 +29,7 @@ const RANGE = 0xffffffffu;
 
 fn header(len: u32) -> Header {
     let n_groups = (len + GROUP - 1u) / GROUP;
-    return Header(array<u32, 3>(min(n_groups, ROW), (n_groups + ROW - 1u) / ROW, min(n_groups, 1u)), len);
+    return Header(array<u32, 3>(min(n_groups, ROW), (n_groups + ROW - 1u) / ROW, min(n_groups, 1u)), len, 0u);
 }
 
 // Which group of the run this is.

@@ -5,8 +5,6 @@
 @group(0) @binding(1) var<storage, read_write> decisions: array<Decisions>;
 @group(0) @binding(2) var<uniform> run: Run;
 
-var<workgroup> sums: array<u32, GROUP>;
-
 fn n_selected(g: u32) -> u32 {
     var n = 0u;
     for (var w = 0u; w < 8u; w++) {
@@ -28,18 +26,7 @@ fn main(@builtin(local_invocation_index) lane: u32) {
         decisions[g].before = sum;
         sum += n;
     }
-    sums[lane] = sum;
-    workgroupBarrier();
-    for (var step = 1u; step < GROUP; step *= 2u) {
-        var left = 0u;
-        if lane >= step {
-            left = sums[lane - step];
-        }
-        workgroupBarrier();
-        sums[lane] += left;
-        workgroupBarrier();
-    }
-    let before = sums[lane] - sum;
+    let before = sum_before(lane, sum);
     for (var g = first; g < end; g++) {
         decisions[g].before += before;
     }

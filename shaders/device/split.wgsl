@@ -14,6 +14,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if k >= headers[run.list].len {
         return;
     }
+    let i = list[headers[run.list].first + k];
     let word = decisions[g].bits[lane / 32u];
     let bit = 1u << (lane & 31u);
     var before = decisions[g].before + countOneBits(word & (bit - 1u));
@@ -21,8 +22,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         before += countOneBits(decisions[g].bits[w]);
     }
     if (word & bit) != 0u {
-        selected[before] = list[k];
+        selected[before] = i;
     } else {
-        kept[k - before] = list[k];
+        kept[k - before] = i;
     }
 }

@@ -8,7 +8,7 @@ var<workgroup> bits: array<atomic<u32>, 8>;
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let g = group_index(group);
     let k = g * GROUP + lane;
-    if k < headers[run.list].len && select_element(list[k]) {
+    if k < headers[run.list].len && select_element(element(k)) {
         atomicOr(&bits[lane / 32u], 1u << (lane & 31u));
     }
     workgroupBarrier();

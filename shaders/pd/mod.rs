@@ -47,7 +47,7 @@ pub const SHADERS: [Shader; 10] = [
 ];
 
 const VEC3: &str = include_str!("../common/vec3.wgsl");
-const WGSL: &str = include_str!("mod.wgsl");
+pub(crate) const WGSL: &str = include_str!("mod.wgsl");
 const FUSED: &str = include_str!("fused.wgsl");
 const LINEAR: &str = include_str!("linear.wgsl");
 const SYMMETRIC: &str = include_str!("symmetric.wgsl");
@@ -104,7 +104,7 @@ pub struct Omega {
 impl Row {
     /// Places of the entries from number `from` up to number `to`.
     #[inline]
-    fn entries(&self, from: u32, to: u32) -> impl Iterator<Item = usize> {
+    pub(crate) fn entries(&self, from: u32, to: u32) -> impl Iterator<Item = usize> {
         let first = self.first;
         (from..to).map(move |k| (first + k * SLICE) as usize)
     }

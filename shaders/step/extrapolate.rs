@@ -5,7 +5,7 @@ use glam::Vec4;
 
 use crate::{HostViews, Kernel, Map};
 
-/// `q = previous + omega · (q − previous)`; reads (previous), keeps w.
+/// `q = previous + omega · (q − previous)`, nothing for ω = 1; reads (previous), keeps w.
 ///
 /// A device may fuse a product with a sum: two roundings of q.
 #[derive(Debug)]
@@ -31,6 +31,9 @@ impl Map for Extrapolate {
 
     #[inline]
     fn map(i: u32, uniform: &ExtrapolateUniform, (previous,): HostViews<'_, Self>, q: &mut Vec4) {
+        if uniform.omega == 1.0 {
+            return;
+        }
         let previous = previous[i as usize].truncate();
         *q = (previous + (q.truncate() - previous) * uniform.omega).extend(q.w);
     }

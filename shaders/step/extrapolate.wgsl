@@ -9,6 +9,9 @@ struct Params {
 @group(1) @binding(1) var<storage, read_write> q: array<vec4<f32>>;
 
 fn map(i: u32) {
+    if params.omega == 1.0 {
+        return;
+    }
     let before = previous[i].xyz;
     q[i] = vec4(before + (q[i].xyz - before) * params.omega, q[i].w);
 }

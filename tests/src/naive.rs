@@ -10,8 +10,8 @@ use std::ops::Range;
 
 use vivace_coloring::{Algorithm, ConstraintGraph, GraphBuffers, RoundColoring};
 use vivace_kernels::{
-    Backend, CountDown, Element, Expand, Host, Kernel, Lower, Map, RoundCount, Scatter, Select, Update, View,
-    Views,
+    Backend, CountDown, Element, Expand, Host, Kernel, Lower, Map, Params, RoundCount, Scatter, Select,
+    Update, View, Views,
 };
 
 use crate::generators::to_u32;
@@ -107,25 +107,27 @@ impl Backend for Naive {
         Ok(list.iter().copied().collect())
     }
 
-    fn map<K: Map>(
+    fn map<'a, K: Map>(
         &self,
         list: &BTreeSet<u32>,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Host>,
         output: &mut Vec<K::Output>,
     ) {
+        let uniform = uniform.into().on_host();
         for &i in list.iter().rev().skip(usize::from(self.has(Fault::MapStopsShort))) {
             K::map(i, uniform, inputs, &mut output[i as usize]);
         }
     }
 
-    fn update<K: Update>(
+    fn update<'a, K: Update>(
         &self,
         list: &BTreeSet<u32>,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Host>,
         state: &mut Vec<K::State>,
     ) {
+        let uniform = uniform.into().on_host();
         let (before, mut in_place) = (state.clone(), state.clone());
         for &i in list.iter().rev() {
             state[i as usize] = K::update(i, uniform, inputs, &before);
@@ -146,14 +148,15 @@ impl Backend for Naive {
         }
     }
 
-    fn scatter<K: Scatter<N>, const N: usize>(
+    fn scatter<'a, K: Scatter<N>, const N: usize>(
         &self,
         list: &BTreeSet<u32>,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Host>,
         state: &mut Vec<K::State>,
         own: &mut Vec<K::Own>,
     ) {
+        let uniform = uniform.into().on_host();
         let (before, mut in_place, mut own_in_place) = (state.clone(), state.clone(), own.clone());
         let mut touched = BTreeSet::new();
         for &i in list.iter().rev() {
@@ -240,6 +243,11 @@ impl Backend for Naive {
                 lowest[at as usize] = lowest[at as usize].min(value);
             }
         }
+    }
+
+    fn group_by(&self, keys: &Vec<u32>, n_keys: u32) -> Vec<BTreeSet<u32>> {
+        let of_key = |key| (0..to_u32(keys.len())).filter(|&i| keys[i as usize] == key).collect();
+        (0..n_keys).map(of_key).collect()
     }
 
     fn count_down<K: CountDown>(

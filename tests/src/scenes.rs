@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 use vivace_mesh::{TetMesh, TriMesh, beam, cloth};
 use vivace_model::{Model, ModelBuilder, ModelError, State};
-use vivace_solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
+use vivace_solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Rho, Solver, VertexSolve};
 
 use crate::random::Random;
 
@@ -345,13 +345,13 @@ pub fn gauss_seidel(omega: f32) -> Relaxation {
 pub fn relaxations() -> Vec<Relaxation> {
     vec![
         Relaxation::Jacobi { omega: 2.0 / 3.0 },
-        Relaxation::Chebyshev { rho: 0.9, gamma: 2.0 / 3.0, delay: 10 },
+        Relaxation::Chebyshev { rho: Rho::Given(0.9), gamma: 2.0 / 3.0, delay: 10 },
         gauss_seidel(1.0),
         gauss_seidel(1.7),
         Relaxation::GaussSeidel { omega: 1.2, base: Base::PreviousInPlace },
         Relaxation::GaussSeidel { omega: 1.2, base: Base::PreviousAfterSweep },
-        Relaxation::SymmetricChebyshev { rho: 0.9 },
-        Relaxation::ChebyshevGaussSeidel { rho: 0.9, delay: 10 },
+        Relaxation::SymmetricChebyshev { rho: Rho::Given(0.9) },
+        Relaxation::ChebyshevGaussSeidel { rho: Rho::Given(0.9), delay: 10 },
         Relaxation::Lexicographic { omega: 1.5 },
     ]
 }

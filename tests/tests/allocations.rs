@@ -5,9 +5,9 @@
 use glam::Vec3;
 use rayon::ThreadPoolBuilder;
 use vivace_model::{Forces, Wind};
-use vivace_solver::{Budget, Framework, Relaxation, Solver, System};
+use vivace_solver::{Budget, Framework, PinMove, Relaxation, Solver, System};
 use vivace_tests::scenes::{
-    Bodies, Kind, STEP, Scene, gauss_seidel, jitter, plain, projective_dynamics, solvers,
+    Bodies, Kind, STEP, Scene, cloth, gauss_seidel, jitter, plain, projective_dynamics, solvers,
 };
 
 /// Blocks that the calling thread allocates in frames that are not the first.
@@ -63,6 +63,28 @@ fn assert_none_on_two_threads(safeguard: bool, budget: Budget) {
                     assert_eq!(allocations(&scene, solver, budget), 0, "{kind:?} {solver:?}");
                 }
             }
+        }
+    });
+}
+
+/// Nor does leading what is held, by springs and pinned.
+#[test]
+fn what_is_led_allocates_nothing() {
+    on_threads(1, || {
+        for solver in solvers() {
+            let (mut model, mut state) = cloth(8, 100.0, Some(1e-5));
+            model.pin(60).unwrap();
+            model.replace_attachments(0, &[(20, Vec3::Y, 100.0)]).unwrap();
+            let mut system = System::new(model, solver).unwrap();
+            let mut lead = || {
+                let from = state.positions[60];
+                system.move_pins(&[PinMove { particle: 60, from, to: from + Vec3::Y * 0.01 }]).unwrap();
+                system.set_attachment_target(0, state.positions[20] + Vec3::Y * 0.1).unwrap();
+                system.step(&mut state, &Forces::default(), STEP, Budget::iterations(5)).unwrap();
+            };
+            lead();
+            let n = allocation_counter::measure(|| (0..2).for_each(|_| lead())).count_total;
+            assert_eq!(n, 0, "{solver:?}");
         }
     });
 }

@@ -8,7 +8,7 @@ use vivace_kernels::coloring::{AcceptColor, ProposeColor, SHADERS};
 use vivace_kernels::constraint::{
     Attachment, Bending, Constraint, Spring, TetStrain, TetVolume, TriangleStrain,
 };
-use vivace_kernels::{Form, ListShader, Shader, collision, local, pbd, pd, step};
+use vivace_kernels::{Form, ListShader, Shader, collision, linear, local, pbd, pd, step};
 
 /// The kernels over a kind.
 struct Kind {
@@ -54,6 +54,7 @@ fn kernels() -> Vec<(String, Shader)> {
     let without_kind = SHADERS
         .iter()
         .chain(&collision::SHADERS)
+        .chain(&linear::SHADERS)
         .chain(&pbd::SHADERS)
         .chain(&pd::SHADERS)
         .chain(&step::SHADERS);

@@ -8,4 +8,5 @@ pub mod extremes;
 pub mod figures;
 pub mod picture;
 pub mod report;
+pub mod strain;
 pub mod tradeoff;

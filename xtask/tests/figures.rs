@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use vivace_mesh::{ball, obj, vtk};
+use xtask::figures::contacts;
 use xtask::figures::families::Families;
 use xtask::figures::simulation::{self, scenes};
 use xtask::figures::{self, Options, Sizes};
@@ -21,6 +22,7 @@ fn tiny() -> Sizes {
         ablation_seeds: 2,
         seconds: 0.0,
         simulation: simulation::Sizes { vertices: 100, n_frames: 4, every: 2, most_sweeps: 8, still: 60 },
+        contacts: contacts::Sizes { noodles: 2, heap: 6, armadillo: 100, n_frames: 3, still: 60 },
         trade: Effort { warm_frames: 1, longest_ms: 0.1, stable_frames: 2, fine_steps: 8 },
         is_reduced: true,
     }
@@ -210,7 +212,7 @@ fn what_cannot_be_made_is_said() {
         let options = options(&folder.path().join("out"), figures, meshes);
         figures::reproduce(&options, &mut Progress::silent()).unwrap_err().to_string()
     };
-    assert!(fail(&["11"], None).contains("there are 2, 3, 4, 5, 6, 7, trade, extremes"));
+    assert!(fail(&["11"], None).contains("there are 1, 2, 3, 4, 5, 6, 7, 8, 9, trade, extremes"));
     assert!(fail(&["2"], Some(folder.path().join("none"))).contains("--meshes"));
     assert!(fail(&["2"], Some(folder.path().to_owned())).contains("bunny"));
 }
@@ -244,6 +246,50 @@ fn the_gpu_adds_curves_of_its_own() {
         for row in &on_gpu {
             let is_twin = |other: &&Vec<&str>| same.iter().all(|&at| other[at] == row[at]);
             assert_eq!(on_cpu.iter().filter(is_twin).count(), 1, "{file}: {row:?}");
+        }
+    }
+}
+
+/// Figures 4 and 5 show what a GPU reaches beside the CPU; where a CPU plays it, at equal work alone and without a time.
+#[test]
+fn the_gpu_animates_as_the_cpu_does() {
+    let gpu = vivace_gpu::Gpu::new().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    let options = Options { with_gpu: true, ..options(out, &["4", "5"], None) };
+    figures::reproduce(&options, &mut Progress::silent()).unwrap();
+    let html = read(out, "report.html");
+    assert!(html.contains(&gpu.adapter().name) && html.contains("SOR 1.9 (GPU)"));
+    assert_eq!(html.contains("A CPU plays the GPU"), gpu.is_software());
+    for (id, n_times) in [("fig4", 2), ("fig5", 4)] {
+        for (file, n_rows) in [
+            (format!("{id}-runs.csv"), if gpu.is_software() { 2 } else { 2 + n_times } * 4),
+            (format!("{id}-frame.csv"), 4 * 4),
+        ] {
+            let mut csv = csv::Reader::from_path(out.join(&file)).unwrap();
+            let header = csv.headers().unwrap().clone();
+            let column = |name: &str| header.iter().position(|column| column == name).unwrap();
+            let rows: Vec<csv::StringRecord> = csv.records().map(Result::unwrap).collect();
+            let (on_cpu, on_gpu): (Vec<_>, Vec<_>) =
+                rows.iter().partition(|row| &row[column("device")] == "cpu");
+            assert_eq!(on_gpu.len(), n_rows, "{file}");
+            let is_runs = file.ends_with("runs.csv");
+            let (error, work, time) = if is_runs {
+                (column("median_error"), column("limit"), column("mean_ms"))
+            } else {
+                (column("error"), column("sweeps"), column("time_ms"))
+            };
+            for row in on_gpu {
+                let method = row[column("method")].trim_end_matches(" (GPU)");
+                let twin = on_cpu
+                    .iter()
+                    .find(|other| &other[column("method")] == method && other[work] == row[work]);
+                let [here, there] = [row, twin.unwrap()].map(|row| row[error].parse::<f64>().unwrap());
+                let is_equal_work = !row[work].contains("ms");
+                let is_close = (here - there).abs() <= 0.01 * there;
+                assert!(is_close || !is_equal_work, "{file}, {method}: {here}, {there} on the CPU");
+                assert_eq!(row[time].is_empty(), gpu.is_software(), "{file}");
+            }
         }
     }
 }

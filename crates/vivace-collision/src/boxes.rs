@@ -26,6 +26,21 @@ impl Aabb {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// With `point` in it.
+    pub(crate) fn including(self, point: Vec3) -> Self {
+        self.union(Self { min: point, max: point })
+    }
+
+    pub(crate) fn meets(self, other: Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// Around all of its way, if it goes as far as `way` \[m\] beside; never narrower for rounding.
+    pub(crate) fn stretched(self, way: Vec3) -> Self {
+        let wider = ROUNDING * way.abs();
+        Self { min: self.min + way.min(Vec3::ZERO) - wider, max: self.max + way.max(Vec3::ZERO) + wider }
+    }
+
     /// The longest side \[m\].
     pub(crate) fn extent(self) -> f32 {
         (self.max - self.min).max_element()

@@ -40,7 +40,7 @@ impl Contact {
 /// What one call of [`Detector::detect`](crate::Detector::detect) or [`Detector::limit`](crate::Detector::limit) did.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Report {
-    /// Pairs of primitives whose swept boxes meet, neighbors left out.
+    /// Pairs of primitives that a quick look could not tell to stay apart, neighbors left out.
     pub candidates: usize,
     /// Contacts found; of `limit`: particles that were held back.
     pub contacts: usize,
@@ -55,7 +55,7 @@ pub struct Report {
 /// Seconds spent in each phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Times {
-    /// Boxes, grids, pairs of boxes that meet.
+    /// Boxes, grids, pairs that may come near; of `limit`, all but obstacles.
     pub broad: f64,
     /// Distances and times of impact of these pairs.
     pub narrow: f64,

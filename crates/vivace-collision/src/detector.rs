@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use crate::broad::{Broad, Piece, drift};
+use crate::broad::{Broad, Piece, Scope};
 use crate::limit::{self, Guard};
 use crate::narrow::Frame;
 use crate::obstacle::MAX_POSITION;
@@ -12,6 +12,7 @@ use crate::outside;
 use crate::parallel::{for_each, piece};
 use crate::proximity::Pair;
 use crate::surface::Surface;
+use crate::thin::{Thinner, is_inside};
 use crate::{CollisionError, Contact, Obstacle, Report};
 
 /// How near is too near.
@@ -26,16 +27,28 @@ pub struct Options {
     pub friction: f32,
     /// Whether the surface collides with itself; if not, with obstacles only.
     pub self_collision: bool,
+    /// Whether contacts are listed too that others imply: of a point with each triangle that is near, not only where its distance to
+    /// the surface has a minimum, and of edges that cross between layers whose points hold each other apart. They cost a solver
+    /// several times as much and give it little; what passes through is held back in any case.
+    pub every_pair: bool,
     /// No more contacts than this are listed; the report says how many were left out.
     pub max_contacts: usize,
 }
 
 impl Options {
-    /// Options for a thickness \[m\]: a margin of half of it, no friction, self-collision, ten million contacts at most.
+    /// Options for a thickness \[m\]: a margin of half of it, no friction, self-collision, no contacts that others imply, ten million
+    /// at most.
     #[must_use]
     pub fn new(thickness: f32) -> Self {
         let (margin, friction) = (0.5 * thickness, 0.0);
-        Self { thickness, margin, friction, self_collision: true, max_contacts: 10_000_000 }
+        Self {
+            thickness,
+            margin,
+            friction,
+            self_collision: true,
+            every_pair: false,
+            max_contacts: 10_000_000,
+        }
     }
 }
 
@@ -63,6 +76,9 @@ pub struct Detector {
     options: Options,
     broad: Broad,
     guard: Guard,
+    thinner: Thinner,
+    /// The way on which the candidates lie that are listed; nowhere if no such way.
+    seen: [Vec<Vec3>; 2],
     /// Contacts with obstacles, piece by piece.
     outside: Vec<Vec<Contact>>,
 }
@@ -94,8 +110,18 @@ impl Detector {
         {
             return Err(CollisionError::Thickness { thickness, edge, length });
         }
-        let (rest, broad, guard) = (rest.to_vec(), Broad::default(), Guard::default());
-        Ok(Self { surface, rest, options, broad, guard, outside: vec![Vec::new(); N_PIECES] })
+        let broad = if options.self_collision { Broad::new(&surface, rest) } else { Broad::default() };
+        let (rest, guard, thinner) = (rest.to_vec(), Guard::default(), Thinner::default());
+        Ok(Self {
+            surface,
+            rest,
+            options,
+            broad,
+            guard,
+            thinner,
+            seen: Default::default(),
+            outside: vec![Vec::new(); N_PIECES],
+        })
     }
 
     /// The options.
@@ -153,34 +179,49 @@ impl Detector {
         let mut report = Report::default();
         let start = Instant::now();
         if self.options.self_collision {
-            let drift = drift(&self.surface.vertices, from, to);
             let reach = self.options.thickness + self.options.margin;
-            report.candidates = self.broad.find(&self.surface, from, to, drift, reach);
+            report.candidates = self.broad.find(from, to, reach, Scope::All);
+            for (seen, way) in self.seen.iter_mut().zip([from, to]) {
+                seen.clear();
+                seen.extend_from_slice(way);
+            }
         }
         report.times.broad = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let (frame, options) = (Frame { rest: &self.rest, from, to }, &self.options);
-        for_each(&mut self.broad.pieces, 1, &|_, piece: &mut Piece| {
-            piece.contacts.clear();
-            let points =
-                piece.points.iter().filter_map(|&ids| frame.contact(Pair::PointTriangle, ids, options));
-            let edges = piece.edges.iter().filter_map(|&ids| frame.contact(Pair::EdgeEdge, ids, options));
-            piece.contacts.extend(points.chain(edges));
-        });
+        self.narrow(from, to, out);
         report.times.narrow = start.elapsed().as_secs_f64();
         let start = Instant::now();
         self.meet(from, to, obstacles, time_step);
         report.times.obstacles = start.elapsed().as_secs_f64();
 
-        out.clear();
-        let lists = self.broad.pieces.iter().map(|piece| &piece.contacts).chain(&self.outside);
-        for list in lists {
-            let kept = list.len().min(self.options.max_contacts - out.len());
-            out.extend_from_slice(&list[..kept]);
-            report.left_out += list.len() - kept;
-        }
+        self.outside.iter().for_each(|contacts| out.extend_from_slice(contacts));
+        report.left_out = out.len().saturating_sub(self.options.max_contacts);
+        out.truncate(self.options.max_contacts);
         report.contacts = out.len();
         Ok(report)
+    }
+
+    /// From candidates to contacts, in `out`.
+    fn narrow(&mut self, from: &[Vec3], to: &[Vec3], out: &mut Vec<Contact>) {
+        let (frame, options) = (Frame { rest: &self.rest, from, to }, &self.options);
+        out.clear();
+        for_each(&mut self.broad.pieces, 1, &|_, Piece { points, contacts, .. }: &mut Piece| {
+            contacts.clear();
+            contacts
+                .extend(points.iter().filter_map(|&ids| frame.contact(Pair::PointTriangle, ids, options)));
+        });
+        self.broad.pieces.iter().for_each(|piece| out.extend_from_slice(&piece.contacts));
+        if !options.every_pair {
+            self.thinner.thin(out, to);
+        }
+        let (thinner, every_pair) = (&self.thinner, options.every_pair);
+        for_each(&mut self.broad.pieces, 1, &|_, Piece { edges, contacts, .. }: &mut Piece| {
+            contacts.clear();
+            let needed = edges.iter().filter(|&&ids| every_pair || !thinner.holds(ids));
+            let found = needed.filter_map(|&ids| frame.contact(Pair::EdgeEdge, ids, options));
+            contacts.extend(found.filter(|contact| every_pair || is_inside(contact)));
+        });
+        self.broad.pieces.iter().for_each(|piece| out.extend_from_slice(&piece.contacts));
     }
 
     /// Contacts with obstacles.
@@ -231,32 +272,19 @@ impl Detector {
     }
 
     fn hold(&mut self, from: &[Vec3], to: &mut [Vec3], together: bool, report: &mut Report) -> usize {
-        let thickness = self.options.thickness;
-        let drift = drift(&self.surface.vertices, from, to);
-        // What all have in common makes boxes long, but has to be in them only if something has to be left behind.
-        if drift.length() > thickness {
-            self.find(from, to, drift, report);
-            let start = Instant::now();
-            let is_clear = self.guard.is_clear(&mut self.broad, from, to, thickness);
-            report.times.narrow += start.elapsed().as_secs_f64();
-            if is_clear {
-                return 0;
-            }
-        }
-        self.find(from, to, Vec3::ZERO, report);
         let start = Instant::now();
-        let (rounds, n_held) = self.guard.hold(&mut self.broad, from, to, thickness, together);
-        report.times.narrow += start.elapsed().as_secs_f64();
+        let thickness = self.options.thickness;
+        // What contacts were looked for on has been looked at already, as far as this way is that one.
+        let [seen_from, ends] = &mut self.seen;
+        let slack = self.options.margin + (1.0 - limit::GAP) * thickness;
+        let scope = if seen_from.as_slice() == from { Scope::Since { ends, slack } } else { Scope::All };
+        let [candidates, rounds, n_held] =
+            self.guard.hold(&mut self.broad, from, to, thickness, together, scope);
+        seen_from.clear();
+        report.times.broad += start.elapsed().as_secs_f64();
+        report.candidates += candidates;
         report.rounds = report.rounds.max(rounds);
         n_held
-    }
-
-    /// The guard's candidates.
-    fn find(&mut self, from: &[Vec3], to: &[Vec3], drift: Vec3, report: &mut Report) {
-        let start = Instant::now();
-        let reach = limit::reach(self.options.thickness);
-        report.candidates = self.broad.find(&self.surface, from, to, drift, reach);
-        report.times.broad += start.elapsed().as_secs_f64();
     }
 
     /// Ends ways that lead into obstacles outside; how many there were.

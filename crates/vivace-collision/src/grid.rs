@@ -160,9 +160,9 @@ impl Grid {
         self.order.len()
     }
 
-    /// Calls `found` with each box that meets `query`.
-    pub(crate) fn meeting(&self, query: Aabb, mut found: impl FnMut(u32)) {
-        self.search(query, 0, 0, &mut |place| found(self.order[place]));
+    /// The number of the box at `place` of the grid's order.
+    pub(crate) fn at(&self, place: usize) -> usize {
+        self.order[place] as usize
     }
 
     /// Calls `found` with each box that meets the one at `place` of the grid's order and comes later in it, so with each pair

@@ -7,6 +7,7 @@
 
 mod boxes;
 mod broad;
+mod cluster;
 mod contact;
 mod detector;
 mod error;
@@ -20,6 +21,7 @@ mod outside;
 mod parallel;
 mod proximity;
 mod surface;
+mod thin;
 
 pub use contact::{Contact, Report, Times};
 pub use detector::{Detector, Options};

@@ -1,8 +1,9 @@
 //! The guard: ways are shortened until nothing passes through anything.
 
 use glam::Vec3;
+use vivace_graph::DisjointSets;
 
-use crate::broad::{Broad, Piece};
+use crate::broad::{Broad, Piece, Scope};
 use crate::motion::Motion;
 use crate::narrow::points;
 use crate::parallel::for_each;
@@ -39,21 +40,10 @@ pub(crate) struct Guard {
     held: Vec<bool>,
 }
 
-/// How far apart boxes may be \[m\]: the gap, and what two particles may be put aside.
-pub(crate) fn reach(thickness: f32) -> f32 {
-    (GAP + 2.0 * ASIDE) * thickness
-}
-
 impl Guard {
-    /// Whether none of the candidates in `broad` hits.
-    pub(crate) fn is_clear(&mut self, broad: &mut Broad, from: &[Vec3], to: &[Vec3], thickness: f32) -> bool {
-        reset(&mut self.changed, from.len(), true);
-        self.find_hits(&mut broad.pieces, from, to, thickness, 0);
-        broad.pieces.iter().all(|piece| piece.hits.is_empty())
-    }
-
-    /// Shortens ways until none of the candidates in `broad` hits; with `together`, particles keep what they have in common if
-    /// that is little aside of their ways. Returns the rounds and how many particles were held back.
+    /// Shortens ways until nothing hits; with `together`, particles keep what they have in common if that is little aside of their ways.
+    /// The first round looks at pairs of `scope`, each other one at those of which a particle's way was changed. Returns the candidates, rounds, and how many particles were
+    /// held back.
     pub(crate) fn hold(
         &mut self,
         broad: &mut Broad,
@@ -61,44 +51,32 @@ impl Guard {
         to: &mut [Vec3],
         thickness: f32,
         together: bool,
-    ) -> (usize, usize) {
+        scope: Scope<'_>,
+    ) -> [usize; 3] {
         let n = from.len();
-        self.ends.clear();
-        self.ends.extend_from_slice(to);
-        reset(&mut self.parts, n, 1.0);
-        reset(&mut self.changed, n, true);
+        let mut n_candidates = broad.find(from, to, GAP * thickness, scope);
         reset(&mut self.held, n, false);
         for round in 0..GIVE_UP_AFTER {
-            self.find_hits(&mut broad.pieces, from, to, thickness, round);
+            find_hits(&mut broad.pieces, from, to, thickness, round);
             if broad.pieces.iter().all(|piece| piece.hits.is_empty()) {
-                return (round + 1, self.n_held());
+                return [n_candidates, round + 1, self.n_held()];
+            }
+            if round == 0 {
+                self.ends.clear();
+                self.ends.extend_from_slice(to);
+                reset(&mut self.parts, n, 1.0);
+                reset(&mut self.changed, n, false);
             }
             let aside = if together && round < COMMON_ROUNDS { ASIDE * thickness } else { 0.0 };
             self.shorten(&broad.pieces, from, to, aside, round >= STAY_AFTER);
+            n_candidates += broad.find(from, to, GAP * thickness, Scope::Changed(&self.changed));
         }
         to.copy_from_slice(from);
-        (GIVE_UP_AFTER, n)
+        [n_candidates, GIVE_UP_AFTER, n]
     }
 
     fn n_held(&self) -> usize {
         self.held.iter().filter(|held| **held).count()
-    }
-
-    fn find_hits(&self, pieces: &mut [Piece], from: &[Vec3], to: &[Vec3], thickness: f32, round: usize) {
-        let less = LESS.powi(i32::try_from(round.min(STAY_AFTER)).unwrap_or(0));
-        for_each(pieces, 1, &|_, piece: &mut Piece| {
-            piece.hits.clear();
-            let lists = [(Pair::PointTriangle, &piece.points), (Pair::EdgeEdge, &piece.edges)];
-            for (pair, &ids) in
-                lists.into_iter().flat_map(|(pair, list)| list.iter().map(move |ids| (pair, ids)))
-            {
-                if ids.iter().any(|&v| self.changed[v as usize])
-                    && let Some(time) = hit(pair, ids, from, to, f64::from(GAP * thickness), less)
-                {
-                    piece.hits.push((ids, time));
-                }
-            }
-        });
     }
 
     fn shorten(&mut self, pieces: &[Piece], from: &[Vec3], to: &mut [Vec3], aside: f32, stay: bool) {
@@ -134,6 +112,17 @@ impl Guard {
     }
 }
 
+fn find_hits(pieces: &mut [Piece], from: &[Vec3], to: &[Vec3], thickness: f32, round: usize) {
+    let less = LESS.powi(i32::try_from(round.min(STAY_AFTER)).unwrap_or(0));
+    for_each(pieces, 1, &|_, Piece { points, edges, hits, .. }: &mut Piece| {
+        hits.clear();
+        for (pair, list) in [(Pair::PointTriangle, points), (Pair::EdgeEdge, edges)] {
+            let hit = |&ids: &[u32; 4]| Some((ids, hit(pair, ids, from, to, GAP * thickness, less)?));
+            hits.extend(list.iter().filter_map(hit));
+        }
+    });
+}
+
 fn reset<T: Clone>(values: &mut Vec<T>, n: usize, value: T) {
     values.clear();
     values.resize(n, value);
@@ -148,14 +137,11 @@ fn distance_to_segment(point: Vec3, a: Vec3, b: Vec3) -> f32 {
 }
 
 /// When a pair comes nearer than the gap \[m\].
-fn hit(pair: Pair, ids: [u32; 4], from: &[Vec3], to: &[Vec3], gap: f64, less: f64) -> Option<f32> {
+fn hit(pair: Pair, ids: [u32; 4], from: &[Vec3], to: &[Vec3], gap: f32, less: f64) -> Option<f32> {
     let (start, end) = (points(from, ids), points(to, ids));
-    if pair.is_clear(&start, &end, gap) {
-        return None;
-    }
     let apart = pair.nearest(&start).distance();
     let motion = Motion::new(pair, start, end);
-    let gap = less * gap.min(GAP_OF_START * apart);
+    let gap = less * f64::from(gap).min(GAP_OF_START * apart);
     // What touches at the start has no side to be kept on.
     if apart <= 0.0 || apart > gap + motion.speed || motion.speed == 0.0 {
         return None;
@@ -167,8 +153,7 @@ fn hit(pair: Pair, ids: [u32; 4], from: &[Vec3], to: &[Vec3], gap: f64, less: f6
 /// Particles that hit one another in a round, directly or in a chain, and the mean of their ways.
 #[derive(Default)]
 struct Zones {
-    /// Towards the zone's first particle.
-    parent: Vec<u32>,
+    sets: DisjointSets,
     sum: Vec<Vec3>,
     count: Vec<u32>,
 }
@@ -176,40 +161,25 @@ struct Zones {
 impl Zones {
     fn gather(&mut self, pieces: &[Piece], from: &[Vec3], to: &[Vec3]) {
         let n = from.len();
-        self.parent.clear();
-        #[expect(clippy::cast_possible_truncation, reason = "particles are numbered in 32 bits")]
-        self.parent.extend(0..n as u32);
+        self.sets.reset(u32::try_from(n).unwrap_or(u32::MAX));
         reset(&mut self.sum, n, Vec3::ZERO);
         reset(&mut self.count, n, 0);
         let hits = || pieces.iter().flat_map(|piece| &piece.hits);
         for (ids, _) in hits() {
-            let first = self.root(ids[0]);
-            for &v in &ids[1..] {
-                let (a, b) = (self.root(first), self.root(v));
-                self.parent[a.max(b) as usize] = a.min(b);
-            }
+            ids[1..].iter().for_each(|&v| self.sets.unite(ids[0], v));
         }
         // A particle counts as often as it hits; one that stays makes the zone stay.
         for &v in hits().flat_map(|(ids, _)| ids) {
-            let root = self.root(v) as usize;
+            let root = self.sets.first(v) as usize;
             let way = to[v as usize] - from[v as usize];
             self.sum[root] += way;
             self.count[root] = if way == Vec3::ZERO { u32::MAX } else { self.count[root].saturating_add(1) };
         }
     }
 
-    fn root(&mut self, mut v: u32) -> u32 {
-        while self.parent[v as usize] != v {
-            let next = self.parent[self.parent[v as usize] as usize];
-            self.parent[v as usize] = next;
-            v = next;
-        }
-        v
-    }
-
     /// The mean way of the zone of `v` \[m\]; 0 if one of its particles stays.
     fn common(&mut self, v: u32) -> Vec3 {
-        let root = self.root(v) as usize;
+        let root = self.sets.first(v) as usize;
         if self.count[root] == u32::MAX { Vec3::ZERO } else { self.sum[root] / self.count[root] as f32 }
     }
 }

@@ -32,9 +32,6 @@ impl Frame<'_> {
         let (thickness, margin) = (f64::from(options.thickness), f64::from(options.margin));
         let mut reach = thickness + margin;
         let (start, end) = (points(self.from, ids), points(self.to, ids));
-        if pair.is_clear(&start, &end, reach) {
-            return None;
-        }
         let motion = Motion::new(pair, start, end);
         let mut met = motion.first_within(pair, reach, 0.0)?;
 

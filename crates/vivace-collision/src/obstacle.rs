@@ -30,7 +30,9 @@ impl Pose {
     }
 
     pub(crate) fn to_local(self, point: Vec3) -> Vec3 {
-        self.rotation.conjugate() * (point - self.position)
+        let from_here = point - self.position;
+        // Most stand upright.
+        if self.rotation == Quat::IDENTITY { from_here } else { self.rotation.conjugate() * from_here }
     }
 
     fn is_valid(self) -> bool {

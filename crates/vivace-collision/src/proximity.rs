@@ -1,10 +1,10 @@
 //! How near two primitives are: a point and a triangle, or two edges. In `f64`, so that positions in `f32` have exact
 //! differences and a nearly parallel pair of edges is none that needs a choice.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3, Vec3A};
 
 /// Four points, and which two primitives they are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Pair {
     /// A point, then the corners of a triangle.
     PointTriangle,
@@ -48,24 +48,53 @@ impl Pair {
         }
     }
 
-    /// Whether two primitives stay more than `reach` apart on their straight ways from `start` to `end`, told by one axis, that
-    /// from center to center: along it, the gap between them is a concave function of time, so its ends are enough.
-    pub(crate) fn is_clear(self, start: &[DVec3; 4], end: &[DVec3; 4], reach: f64) -> bool {
-        let axis = match self {
-            Self::PointTriangle => 3.0 * start[0] - (start[1] + start[2] + start[3]),
-            Self::EdgeEdge => start[0] + start[1] - (start[2] + start[3]),
+    /// The gap between the primitives along an axis that leads from the second to the first \[m\], times the axis' length.
+    #[inline]
+    pub(crate) fn gap(self, axis: DVec3, x: &[DVec3; 4]) -> f64 {
+        let [a, b, c] = [1, 2, 3].map(|k| axis.dot(x[k] - x[0]));
+        match self {
+            Self::PointTriangle => -a.max(b).max(c),
+            Self::EdgeEdge => a.min(0.0) - b.max(c),
+        }
+    }
+
+    /// Whether two primitives stay more than `reach` \[m\] apart on their straight ways, told by one of a few axes: that from center to
+    /// center at the start, and what is of it across an edge. Along an axis, the gap between them is a concave function of time, so its
+    /// ends are enough. In `f32`, and sure: any axis would do, and dot products are wrong by less than [`DOT_ERROR`] of the longest side.
+    #[inline]
+    pub(crate) fn is_clear(self, ids: [u32; 4], from: &[Vec3], to: &[Vec3], reach: f32) -> bool {
+        let sides = |all: &[Vec3]| {
+            let [x, a, b, c] = ids.map(|v| Vec3A::from(all[v as usize]));
+            [a - x, b - x, c - x]
         };
-        let least = reach * axis.length();
-        let gap = |x: &[DVec3; 4]| {
-            let [a, b, c] = [1, 2, 3].map(|k| axis.dot(x[k] - x[0]));
-            match self {
-                Self::PointTriangle => -a.max(b).max(c),
-                Self::EdgeEdge => a.min(0.0) - b.max(c),
+        let ways = [sides(from), sides(to)];
+        let longest =
+            ways.as_flattened().iter().fold(Vec3A::ZERO, |most, side| most.max(side.abs())).element_sum();
+        let reach = reach + DOT_ERROR * longest;
+        let tells = |axis: Vec3A| {
+            let gap = |sides: [Vec3A; 3]| {
+                let [a, b, c] = sides.map(|side| axis.dot(side));
+                match self {
+                    Self::PointTriangle => a.min(b).min(c),
+                    Self::EdgeEdge => b.min(c) - a.max(0.0),
+                }
+            };
+            gap(ways[0]).min(gap(ways[1])) > reach * axis.length() + f32::MIN_POSITIVE
+        };
+        let [a, b, c] = ways[0];
+        match self {
+            Self::PointTriangle => tells(a + b + c),
+            Self::EdgeEdge => {
+                let axis = b + c - a;
+                let across = |edge: Vec3A| axis - edge * (axis.dot(edge) / edge.length_squared());
+                tells(axis) || tells(across(a)) || tells(across(c - b))
             }
-        };
-        gap(start) > least && gap(end) > least
+        }
     }
 }
+
+/// Of a dot product in `f32`, more than its roundings add up to, with those of the vectors' differences.
+const DOT_ERROR: f32 = 16.0 * f32::EPSILON;
 
 /// The squared sine below which three points are taken as on one line.
 const FLAT: f64 = 1e-20;
@@ -131,13 +160,16 @@ fn edge_edge(x: &[DVec3; 4]) -> Nearest {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::cast_possible_truncation, reason = "rounded")]
+
     use super::*;
 
     fn check(pair: Pair, x: [[f64; 3]; 4], distance: f64) {
         let x = x.map(DVec3::from);
         let nearest = pair.nearest(&x);
         assert!((nearest.distance() - distance).abs() < 1e-12, "{pair:?} {x:?}: {nearest:?}");
-        assert!(!pair.is_clear(&x, &x, distance), "{pair:?} {x:?}");
+        let still = x.map(DVec3::as_vec3);
+        assert!(!pair.is_clear([0, 1, 2, 3], &still, &still, distance as f32), "{pair:?} {x:?}");
         let sum: f64 = nearest.weights.iter().sum();
         assert!(sum.abs() < 1e-12);
     }
@@ -195,18 +227,19 @@ mod tests {
             #[test]
             fn distances_are_those_of_parry(x in prop::array::uniform4(vector(1.0))) {
                 let p = x.map(Vector::from_array);
+                let still = x.map(Vec3::from);
                 let x = x.map(|x| DVec3::from(x.map(f64::from)));
                 let ours = Pair::PointTriangle.nearest(&x);
                 let theirs = Triangle::new(p[1], p[2], p[3]).distance_to_local_point(p[0], false);
                 prop_assert!((ours.distance() - f64::from(theirs.abs())).abs() < 1e-4, "{ours:?} {theirs}");
-                prop_assert!(!Pair::PointTriangle.is_clear(&x, &x, ours.distance() + 1e-12));
+                prop_assert!(!Pair::PointTriangle.is_clear([0, 1, 2, 3], &still, &still, ours.distance() as f32));
 
                 let ours = Pair::EdgeEdge.nearest(&x);
                 let (one, other) = (Segment::new(p[0], p[1]), Segment::new(p[2], p[3]));
                 let identity = parry3d::math::Pose::IDENTITY;
                 let theirs = parry3d::query::distance(&identity, &one, &identity, &other).unwrap();
                 prop_assert!((ours.distance() - f64::from(theirs.distance)).abs() < 1e-4, "{ours:?} {theirs:?}");
-                prop_assert!(!Pair::EdgeEdge.is_clear(&x, &x, ours.distance() + 1e-12));
+                prop_assert!(!Pair::EdgeEdge.is_clear([0, 1, 2, 3], &still, &still, ours.distance() as f32));
             }
 
             /// Nothing on a fine raster of both primitives is nearer, however flat or parallel they are.

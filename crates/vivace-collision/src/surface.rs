@@ -1,6 +1,7 @@
 //! The primitives of a surface.
 
 use glam::Vec3;
+use vivace_graph::DisjointSets;
 
 use crate::CollisionError;
 
@@ -25,6 +26,32 @@ impl Surface {
         Ok(Self { triangles: triangles.to_vec(), edges, vertices })
     }
 
+    /// The numbers of a triangle's edges.
+    pub(crate) fn edges_of(&self, [a, b, c]: [u32; 3]) -> [usize; 3] {
+        [[a, b], [b, c], [c, a]].map(|[a, b]| self.edges.partition_point(|edge| *edge < [a.min(b), a.max(b)]))
+    }
+
+    /// The triangles of each body: those that hang together by particles.
+    pub(crate) fn bodies(&self) -> Vec<Vec<u32>> {
+        let n = self.vertices.last().map_or(0, |&last| last + 1);
+        let mut sets = DisjointSets::new(n);
+        for &[a, b, c] in &self.triangles {
+            sets.unite(a, b);
+            sets.unite(b, c);
+        }
+        let mut place = vec![usize::MAX; n as usize];
+        let mut bodies: Vec<Vec<u32>> = Vec::new();
+        for (t, corners) in (0..).zip(&self.triangles) {
+            let place = &mut place[sets.first(corners[0]) as usize];
+            if *place == usize::MAX {
+                *place = bodies.len();
+                bodies.push(Vec::new());
+            }
+            bodies[*place].push(t);
+        }
+        bodies
+    }
+
     /// The shortest edge and its length \[m\].
     pub(crate) fn shortest_edge(&self, positions: &[Vec3]) -> Option<([u32; 2], f32)> {
         let length = |edge: [u32; 2]| {
@@ -37,7 +64,8 @@ impl Surface {
     }
 }
 
-fn distinct<T: Ord>(mut items: Vec<T>) -> Vec<T> {
+/// Ascending, each once.
+pub(crate) fn distinct<T: Ord>(mut items: Vec<T>) -> Vec<T> {
     items.sort_unstable();
     items.dedup();
     items

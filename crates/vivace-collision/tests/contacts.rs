@@ -39,7 +39,7 @@ fn contacts_of_a_soup_are_the_pairs_that_are_near() {
     for _ in 0..6 {
         let (q, triangles) = soup(160, 0.3, &mut random);
         let mut options = Options::new(1e-4);
-        options.margin = 0.05;
+        (options.margin, options.every_pair) = (0.05, true);
         let reach = options.thickness + options.margin;
         // At rest they are far from one another.
         let rest: Vec<Vec3> = (0..q.len()).map(|k| q[k] + 10.0 * (k / 3) as f32 * Vec3::X).collect();
@@ -143,6 +143,41 @@ fn what_is_near_at_rest_keeps_half_of_it() {
         let nearest = contacts.iter().map(|contact| contact.distance).fold(f32::MAX, f32::min);
         assert!(expected.is_none_or(|expected: f32| (nearest - expected).abs() < 1e-6), "{apart}: {nearest}");
     }
+}
+
+/// Two flat layers: each point that is above or below the other layer has one contact, and edges are held by their ends. Crossed strips,
+/// whose points are not: the edges that cross have contacts of their own.
+#[test]
+fn what_others_imply_is_left_out() {
+    let (lower, triangles) = sheet(9, 0.1);
+    let turn = Quat::from_rotation_y(0.3);
+    let upper: Vec<Vec3> = lower.iter().map(|p| turn * *p + 0.01 * Vec3::Y).collect();
+    let (q, both) = joined(&[(lower.clone(), triangles.clone()), (upper, triangles)]);
+    let rest: Vec<Vec3> =
+        (0..).zip(&q).map(|(k, p)| *p + if k < 81 { Vec3::ZERO } else { Vec3::Y }).collect();
+    let run = |every_pair| {
+        let options = Options { every_pair, ..Options::new(0.02) };
+        detect(&mut Detector::new(&both, &rest, options).unwrap(), &q, &q, &[]).0
+    };
+    let (all, thinned) = (run(true), run(false));
+    let is_point = |contact: &&Contact| contact.weights[0] == 1.0;
+    let mut points: Vec<u32> = thinned.iter().filter(is_point).map(|contact| contact.particles[0]).collect();
+    points.sort_unstable();
+    let mut expected: Vec<u32> = all.iter().filter(is_point).map(|contact| contact.particles[0]).collect();
+    expected.sort_unstable();
+    expected.dedup();
+    assert_eq!(points, expected);
+    assert!(all.len() > 4 * thinned.len(), "{} of {}", thinned.len(), all.len());
+    assert!(thinned.iter().all(|contact| all.contains(contact)));
+
+    let strip =
+        [[0.0, 0.0], [0.3, 0.0], [0.0, 0.1], [0.3, 0.1]].map(|[x, z]| Vec3::new(x - 0.15, 0.0, z - 0.05));
+    let other: Vec<Vec3> = strip.iter().map(|p| Vec3::new(p.z, 0.01, -p.x)).collect();
+    let triangles = vec![[0, 1, 2], [2, 1, 3]];
+    let (q, both) = joined(&[(strip.to_vec(), triangles.clone()), (other, triangles)]);
+    let rest: Vec<Vec3> = (0..).zip(&q).map(|(k, p)| *p + if k < 4 { Vec3::ZERO } else { Vec3::Y }).collect();
+    let contacts = detect(&mut Detector::new(&both, &rest, Options::new(0.02)).unwrap(), &q, &q, &[]).0;
+    assert!(contacts.len() >= 4 && !contacts.iter().any(|contact| is_point(&contact)), "{contacts:?}");
 }
 
 /// A plate of 1 mm, and particles at 600 m/s.

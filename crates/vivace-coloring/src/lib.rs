@@ -53,7 +53,7 @@ pub use recolor::{Recolored, recolor};
 pub use reduce::reduce;
 pub use rounds::{
     ConflictRule, GraphBuffers, GraphView, ROUND_LIMIT, RoundColoring, Vivace, jones_plassmann,
-    largest_degree_first, luby, vivace,
+    largest_degree_first, luby, vivace, vivace_unseen,
 };
 pub use serial::{Order, blocked_first_fit, dsatur, first_fit};
 pub use vivace_graph::{Adjacency, ConstraintGraph, DynamicGraph, GraphError};

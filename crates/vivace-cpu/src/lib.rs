@@ -10,7 +10,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use vivace_kernels::{
-    Backend, CountDown, Element, Expand, Host, Lower, Map, RoundCount, Scatter, Select, Update, View, Views,
+    Backend, CountDown, Element, Expand, Host, Lower, Map, Params, RoundCount, Scatter, Select, Update, View,
+    Views,
 };
 
 pub use list::List;
@@ -96,25 +97,27 @@ impl Backend for Cpu {
         Ok(list.indices().to_vec())
     }
 
-    fn map<K: Map>(
+    fn map<'a, K: Map>(
         &self,
         list: &List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Host>,
         output: &mut Vec<K::Output>,
     ) {
+        let uniform = uniform.into().on_host();
         list.for_each_element(self.n_pieces(list.len()), output, |i, element| {
             K::map(i, uniform, inputs, element);
         });
     }
 
-    fn update<K: Update>(
+    fn update<'a, K: Update>(
         &self,
         list: &List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Host>,
         state: &mut Vec<K::State>,
     ) {
+        let uniform = uniform.into().on_host();
         // Gathered aside, then scattered: the host has no way to read and write one array from many threads.
         let n_pieces = self.n_pieces(list.len());
         let update = |&i: &u32| K::update(i, uniform, inputs, state);
@@ -138,14 +141,15 @@ impl Backend for Cpu {
         }
     }
 
-    fn scatter<K: Scatter<N>, const N: usize>(
+    fn scatter<'a, K: Scatter<N>, const N: usize>(
         &self,
         list: &List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, Host>,
         state: &mut Vec<K::State>,
         own: &mut Vec<K::Own>,
     ) {
+        let uniform = uniform.into().on_host();
         let n_pieces = self.n_pieces(list.len());
         if n_pieces == 1 {
             // Nobody sees another: each may be written at once.
@@ -239,6 +243,16 @@ impl Backend for Cpu {
         let found = list.indices().par_iter().with_min_len(list.len().div_ceil(n_pieces)).map(find);
         let found: Vec<_> = found.collect();
         found.into_iter().flatten().flatten().for_each(&mut write);
+    }
+
+    fn group_by(&self, keys: &Vec<u32>, n_keys: u32) -> Vec<List> {
+        let mut lists = vec![Vec::new(); n_keys as usize];
+        for (i, &key) in (0..).zip(keys) {
+            if let Some(list) = lists.get_mut(key as usize) {
+                list.push(i);
+            }
+        }
+        lists.into_iter().map(List::from_unsorted).collect()
     }
 
     fn count_down<K: CountDown>(

@@ -6,11 +6,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use vivace_kernels::{
-    Backend, CountDown, Element, Expand, Lower, Map, Memory, RoundCount, Scatter, Select, Update, View, Views,
+    Backend, CountDown, Element, Expand, Lower, Map, Memory, Params, RoundCount, Scatter, Select, Update,
+    View, Views,
 };
 
 use crate::GpuError;
-use crate::gpu::{FIXED_BYTES, HEADERS_BYTES, decisions_bytes, places_bytes};
+use crate::gpu::{FIXED_BYTES, HEADERS_BYTES, counts_bytes, decisions_bytes, places_bytes};
 use crate::memory::{Allocation, Pool, Purpose, array_bytes};
 
 /// A [`Backend`] that computes nothing and counts the bytes that [`crate::Gpu`] would allocate: it has the same pool, without
@@ -153,19 +154,19 @@ impl Backend for Footprint {
         Ok(Vec::new())
     }
 
-    fn map<K: Map>(
+    fn map<'a, K: Map>(
         &self,
         _: &FootprintList,
-        _: &K::Uniform,
+        _: impl Into<Params<'a, Self, K::Uniform>>,
         _: NoViews<'_, K>,
         _: &mut FootprintBuffer<K::Output>,
     ) {
     }
 
-    fn update<K: Update>(
+    fn update<'a, K: Update>(
         &self,
         _: &FootprintList,
-        _: &K::Uniform,
+        _: impl Into<Params<'a, Self, K::Uniform>>,
         _: NoViews<'_, K>,
         _: &mut FootprintBuffer<K::State>,
     ) {
@@ -180,10 +181,10 @@ impl Backend for Footprint {
     ) {
     }
 
-    fn scatter<K: Scatter<N>, const N: usize>(
+    fn scatter<'a, K: Scatter<N>, const N: usize>(
         &self,
         _: &FootprintList,
-        _: &K::Uniform,
+        _: impl Into<Params<'a, Self, K::Uniform>>,
         _: NoViews<'_, K>,
         _: &mut FootprintBuffer<K::State>,
         _: &mut FootprintBuffer<K::Own>,
@@ -234,6 +235,11 @@ impl Backend for Footprint {
         _: NoViews<'_, K>,
         _: &mut FootprintBuffer<u32>,
     ) {
+    }
+
+    fn group_by(&self, keys: &FootprintBuffer<u32>, n_keys: u32) -> Vec<FootprintList> {
+        let _counts = self.take(Purpose::Work, counts_bytes(keys.len, n_keys));
+        vec![self.list(keys.len); n_keys as usize]
     }
 
     fn count_down<K: CountDown>(

@@ -20,7 +20,8 @@ pub(crate) enum Elements {
 }
 
 pub(crate) struct Indices {
-    pub(crate) memory: Allocation,
+    /// What the lists of a sort share.
+    pub(crate) memory: Arc<Allocation>,
     /// No list here is longer.
     pub(crate) capacity: usize,
     pub(crate) header: Arc<Header>,
@@ -56,8 +57,11 @@ impl std::fmt::Debug for List {
 /// Most lists at the same time.
 pub(crate) const N_HEADERS: u32 = 1024;
 
-/// Bytes of a header: a grid and a length, see `run.wgsl`.
-pub(crate) const HEADER_BYTES: u64 = 16;
+/// A header: a grid, a length and where the list begins, see `run.wgsl`.
+pub(crate) type HeaderWords = [u32; 5];
+
+/// Bytes of a header.
+pub(crate) const HEADER_BYTES: u64 = size_of::<HeaderWords>() as u64;
 
 /// The free places for headers of lists in the device's array of them.
 pub(crate) struct Headers {

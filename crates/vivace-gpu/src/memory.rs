@@ -49,7 +49,7 @@ impl<T: Element> Buffer<T> {
     /// The elements where they lie, for a pipeline of the caller's: nothing is copied, and nobody waits.
     ///
     /// - Layout: [`Buffer::len`] elements from the buffer's start, one after another as they are in Rust; what is behind them
-    ///   holds nothing. Usages: `STORAGE`, `VERTEX`, `COPY_SRC` and `COPY_DST`. Positions are four `f32` a particle, the fourth of
+    ///   holds nothing. Usages: `STORAGE`, `UNIFORM`, `VERTEX`, `COPY_SRC` and `COPY_DST`. Positions are four `f32` a particle, the fourth of
     ///   which is no coordinate: `Float32x3` with a stride of 16.
     /// - Order: call [`crate::Gpu::submit`], then submit to [`crate::Gpu::queue`]. All that was recorded here before is done
     ///   first, and what is recorded here afterwards comes later. What is not submitted, the caller's commands do not see.
@@ -97,6 +97,7 @@ impl Purpose {
         match self {
             Self::Work => {
                 wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::UNIFORM
                     | wgpu::BufferUsages::VERTEX
                     | wgpu::BufferUsages::COPY_SRC
                     | wgpu::BufferUsages::COPY_DST

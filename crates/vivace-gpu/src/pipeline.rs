@@ -63,6 +63,9 @@ impl Pipelines {
                 ListShader::Split => &[&[Read, Read, Uniform], &[Read, Write, Write]],
                 ListShader::Place => &[&[Write, Write, Uniform, Write]],
                 ListShader::Number => &[&[Read, Write, Uniform]],
+                ListShader::CountKeys => &[&[Read, Write, Uniform]],
+                ListShader::ScanKeys => &[&[Write, Write, Uniform, Uniform]],
+                ListShader::PlaceKeys => &[&[Read, Read, Write, Uniform]],
             };
             Pipeline::new(device, shader.name(), &shader.wgsl(), groups)
         })

@@ -20,6 +20,25 @@ pub(crate) enum Grid<'a> {
     Indirect(&'a wgpu::Buffer, u64),
 }
 
+/// The parameters at a binding of uniforms.
+#[derive(Clone, Copy)]
+pub(crate) enum Uniform<'a> {
+    /// From the host.
+    Bytes(&'a [u8]),
+    /// Where the device has made them: at this offset of the array that is bound.
+    At(u32),
+}
+
+impl Uniform<'_> {
+    pub(crate) const NONE: Self = Self::Bytes(&[]);
+}
+
+/// How an array of uniforms is bound.
+pub(crate) fn uniform_binding(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
+    let size = wgpu::BufferSize::new(UNIFORM_BYTES as u64);
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+}
+
 pub(crate) struct Recorder {
     device: wgpu::Device,
     queue: wgpu::Queue,
@@ -59,11 +78,7 @@ impl Recorder {
 
     /// Where uniforms are bound from.
     pub(crate) fn uniform_binding(&self) -> wgpu::BindingResource<'_> {
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &self.uniforms,
-            offset: 0,
-            size: wgpu::BufferSize::new(UNIFORM_BYTES as u64),
-        })
+        uniform_binding(&self.uniforms)
     }
 
     /// Records one dispatch. `uniforms` are those of group 0 in binding order; `bytes` is what it counts for in a profile.
@@ -71,14 +86,17 @@ impl Recorder {
         &mut self,
         pipeline: &Pipeline,
         groups: &[wgpu::BindGroup],
-        uniforms: [&[u8]; 2],
+        uniforms: [Uniform<'_>; 2],
         grid: Grid<'_>,
         bytes: f64,
     ) {
         if self.written.len() + 2 * UNIFORM_BYTES > Self::UNIFORMS_SIZE {
             self.submit();
         }
-        let offsets = uniforms.map(|uniform| self.write(uniform));
+        let offsets = uniforms.map(|uniform| match uniform {
+            Uniform::Bytes(bytes) => self.write(bytes),
+            Uniform::At(offset) => offset,
+        });
         let pass = self.pass(pipeline.name, bytes);
         pass.set_pipeline(&pipeline.pipeline);
         for (place, group) in (0..).zip(groups) {

@@ -33,6 +33,7 @@ mod graph;
 mod incidence;
 pub mod matrix_market;
 mod num;
+mod sets;
 
 pub use adjacency::Adjacency;
 pub use builder::GraphBuilder;
@@ -42,3 +43,4 @@ pub use dynamic::DynamicGraph;
 pub use error::GraphError;
 pub use graph::ConstraintGraph;
 pub use incidence::Incidence;
+pub use sets::DisjointSets;

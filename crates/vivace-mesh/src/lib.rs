@@ -8,6 +8,7 @@ pub mod cloth;
 pub mod irregularity;
 pub mod obj;
 pub mod sdf;
+pub mod solid;
 pub mod stuffing;
 pub mod vtk;
 

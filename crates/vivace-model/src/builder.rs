@@ -6,7 +6,8 @@ use glam::Vec3;
 use vivace_kernels::constraint::{Attachment, Bending, Spring, TetStrain, TetVolume, TriangleStrain};
 use vivace_mesh::{TetMesh, TriMesh};
 
-use crate::{Constraints, Model, ModelError, State};
+use crate::tear::Tearing;
+use crate::{Constraints, Model, ModelError, State, TearLimit};
 
 /// Collects particles and constraints, then checks them once.
 ///
@@ -19,6 +20,8 @@ pub struct ModelBuilder {
     pinned: Vec<u32>,
     constraints: Constraints,
     surface: Vec<[u32; 3]>,
+    /// By spring, from the first on; none for those at the end that never break.
+    tear_limits: Vec<f32>,
 }
 
 impl ModelBuilder {
@@ -87,6 +90,30 @@ impl ModelBuilder {
         let rest = |[a, b]: [Vec3; 2]| Some(Spring { rest: a.distance(b), stiffness });
         let springs = self.shaped("spring", first, edges, rest)?;
         self.constraints.springs.extend(springs);
+        Ok(())
+    }
+
+    /// How many springs there are so far.
+    #[must_use]
+    pub fn n_springs(&self) -> usize {
+        self.constraints.springs.len()
+    }
+
+    /// Lets springs break, and the cloth around them tear: see [`Model::find_tears`](crate::Model::find_tears). `springs` are numbers in
+    /// the order in which they were added.
+    ///
+    /// # Errors
+    /// Springs that are not there; a limit that is not finite and positive, or whose variation is not at least 0 and below 1.
+    pub fn let_tear(&mut self, springs: Range<usize>, limit: &TearLimit) -> Result<(), ModelError> {
+        limit.check()?;
+        let n_springs = self.n_springs();
+        if springs.start > springs.end || springs.end > n_springs {
+            return Err(ModelError::Springs { springs, n_springs });
+        }
+        self.tear_limits.resize(self.tear_limits.len().max(springs.end), f32::INFINITY);
+        for (k, own) in (0..).zip(&mut self.tear_limits[springs]) {
+            *own = limit.of(k);
+        }
         Ok(())
     }
 
@@ -210,6 +237,10 @@ impl ModelBuilder {
         self.bodies.extend(other.bodies.into_iter().map(|body| body.start + first..body.end + first));
         self.pinned.extend(other.pinned.into_iter().map(|p| p + first));
         self.surface.extend(other.surface.into_iter().map(|t| t.map(|p| p + first)));
+        if !other.tear_limits.is_empty() {
+            self.tear_limits.resize(self.n_springs(), f32::INFINITY);
+            self.tear_limits.extend(other.tear_limits);
+        }
         self.constraints.append(other.constraints, first);
         Ok(first)
     }
@@ -217,7 +248,7 @@ impl ModelBuilder {
     /// The model, and its state at rest where the particles were put.
     ///
     /// # Errors
-    /// A mass that is not positive.
+    /// A mass that is not positive; a spring that may break, of a particle of a tetrahedron: volumes do not tear.
     pub fn build(mut self) -> Result<(Model, State), ModelError> {
         for &particle in &self.pinned {
             self.masses[particle as usize] = f32::INFINITY;
@@ -225,8 +256,34 @@ impl ModelBuilder {
         if let Some(particle) = self.masses.iter().position(|&mass| mass.is_nan() || mass <= 0.0) {
             return Err(ModelError::Mass { particle, mass: self.masses[particle] });
         }
-        let model = Model::from_parts(self.masses, self.constraints, self.surface, self.bodies);
+        let tearing = self.tearing()?;
+        let model = Model::from_parts(self.masses, self.constraints, self.surface, self.bodies, tearing);
         Ok((model, State::at_rest(self.positions)))
+    }
+
+    /// What a model that tears has to know, if this is one.
+    fn tearing(&self) -> Result<Option<Tearing>, ModelError> {
+        if self.tear_limits.is_empty() {
+            return Ok(None);
+        }
+        let Constraints { springs, tet_strain, tet_volume, .. } = &self.constraints;
+        let mut is_solid = vec![false; self.positions.len()];
+        let corners = tet_strain.particles.iter().chain(&tet_volume.particles).flatten();
+        corners.for_each(|&corner| is_solid[corner as usize] = true);
+        let is_refused = |(ends, limit): (&[u32; 2], &f32)| {
+            limit.is_finite() && ends.iter().any(|&end| is_solid[end as usize])
+        };
+        if let Some(spring) = springs.particles.iter().zip(&self.tear_limits).position(is_refused) {
+            return Err(ModelError::NoTear { spring });
+        }
+        let mut limits = self.tear_limits.clone();
+        limits.resize(springs.len(), f32::INFINITY);
+        let area = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|p| self.positions[p as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        let areas = self.surface.iter().map(area).collect();
+        Ok(Some(Tearing { limits, areas, parents: Vec::new() }))
     }
 
     /// The numbers of the next `n` particles.
@@ -320,7 +377,7 @@ pub(crate) fn check_target(attachment: usize, target: Vec3) -> Result<(), ModelE
     if State::is_in_range(target) { Ok(()) } else { Err(ModelError::Target { attachment, target }) }
 }
 
-fn positive(what: &'static str, value: f32) -> Result<(), ModelError> {
+pub(crate) fn positive(what: &'static str, value: f32) -> Result<(), ModelError> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {

@@ -1,5 +1,7 @@
 //! What can be wrong with a model or a state.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 /// Why a model or state is refused.
@@ -79,6 +81,42 @@ pub enum ModelError {
         attachment: usize,
         /// Where it was to pull to \[m\].
         target: Vec3,
+    },
+    /// A particle that is to be held and is pinned.
+    #[error("particle {particle} is pinned already; release it first, or hold another")]
+    Pinned {
+        /// The particle.
+        particle: u32,
+    },
+    /// A particle that is to be let go and is not held.
+    #[error("particle {particle} is not pinned, or has been since the model was built, and stays so")]
+    NotPinned {
+        /// The particle.
+        particle: u32,
+    },
+    /// Springs that are to break and are not there.
+    #[error("springs {springs:?} are to break, but there are {n_springs}, numbered from 0: add them first")]
+    Springs {
+        /// Their numbers.
+        springs: Range<usize>,
+        /// How many there are.
+        n_springs: usize,
+    },
+    /// A spring that may not break.
+    #[error(
+        "spring {spring} is to break at a particle of a tetrahedron: volumes do not tear, cloth and ropes do"
+    )]
+    NoTear {
+        /// Its number.
+        spring: usize,
+    },
+    /// A tear that is none of this model's.
+    #[error("tear {tear}: {reason}. Tears are those of the model in which they were found")]
+    Tear {
+        /// Which of those given, from 0.
+        tear: usize,
+        /// What is wrong with it.
+        reason: &'static str,
     },
     /// A time step that cannot be.
     #[error("the time step is {value} s; it must be above 0 and at most 1000")]

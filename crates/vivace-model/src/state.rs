@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::{Model, ModelError};
+use crate::{Model, ModelError, Tear};
 
 /// Positions and velocities, one of each for every particle of a [`Model`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -23,6 +23,19 @@ impl State {
     pub fn at_rest(positions: Vec<Vec3>) -> Self {
         let velocities = vec![Vec3::ZERO; positions.len()];
         Self { positions, velocities }
+    }
+
+    /// Copies inherit position and velocity: see [`Model::tear`].
+    ///
+    /// # Panics
+    /// When the tears are not those of this state's model.
+    pub fn tear(&mut self, tears: &[Tear]) {
+        for tear in tears {
+            if let Tear::Split { particle, .. } = *tear {
+                self.positions.push(self.positions[particle as usize]);
+                self.velocities.push(self.velocities[particle as usize]);
+            }
+        }
     }
 
     /// Whether a position \[m\] or velocity \[m/s\] is one that a step can start from: a number, at most 10¹² along each axis. The one

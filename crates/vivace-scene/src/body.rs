@@ -8,7 +8,7 @@ use vivace_mesh::Mesh;
 use vivace_model::{ModelBuilder, ModelError};
 
 use crate::shape::moved;
-use crate::{BodyError, Material, Select, Shape};
+use crate::{BodyError, Drag, Held, Material, Select, Shape};
 
 /// A mesh of some material, put somewhere and held at some of its vertices.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,6 +36,9 @@ pub struct Body {
     /// Vertices that are held by springs, whose ends may be moved.
     #[serde(default)]
     pub attachments: Vec<Attach>,
+    /// Vertices that are taken while it runs, follow a path, and may be let go.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drags: Vec<Drag>,
 }
 
 /// Vertices held by a spring each. Attachments are numbered through all bodies in the order of the scene, those of one selection
@@ -69,14 +72,16 @@ impl Body {
             velocity: Vec3::ZERO,
             pins: Vec::new(),
             attachments: Vec::new(),
+            drags: Vec::new(),
         }
     }
 
-    /// Adds it, and its velocity once for each vertex.
+    /// Adds it, its velocity once for each vertex, and what is to be dragged.
     pub(crate) fn add(
         &self,
         builder: &mut ModelBuilder,
         velocities: &mut Vec<Vec3>,
+        drags: &mut Vec<Held>,
         folder: &Path,
     ) -> Result<(), BodyError> {
         self.check()?;
@@ -100,6 +105,11 @@ impl Body {
                 let target = builder.positions()[particle as usize] + attach.offset;
                 builder.attach(particle, target, attach.stiffness)?;
             }
+        }
+        for (index, drag) in self.drags.iter().enumerate() {
+            drag.check().map_err(|source| BodyError::Drag { index, source })?;
+            let particles = pick("drags", index, &drag.select, own)?.iter().map(|v| first + v).collect();
+            drags.push(Held { particles, hold: drag.hold, path: drag.path.clone(), release: drag.release });
         }
         Ok(())
     }

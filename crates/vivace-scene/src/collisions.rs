@@ -6,6 +6,8 @@ use std::sync::Arc;
 use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use vivace_collision::{CollisionError, Field, Options, Pose, Shape};
+use vivace_mesh::stuffing::Stuffing;
+use vivace_mesh::{MeshError, TriMesh, solid};
 
 use crate::{BodyError, SceneError, Source};
 
@@ -123,6 +125,30 @@ impl Obstacle {
         Self { solid, rotate: zero, at: zero, velocity: zero, friction: friction() }
     }
 
+    /// Its surface in its own coordinates, to be looked at; of a plane a square of `extent` \[m\] to each side. Where bodies meet a sampled
+    /// solid, they meet its samples, so their surface may differ from this one by a fraction of the spacing. Files are looked for in
+    /// `folder`.
+    ///
+    /// # Errors
+    /// A solid that has no surface, a file that cannot be read.
+    pub fn surface(&self, folder: &Path, extent: f32) -> Result<TriMesh, ObstacleError> {
+        const QUARTER: usize = 24;
+        Ok(match &self.solid {
+            Solid::Plane => {
+                let corner = |x: f32, z: f32| extent * Vec3::new(x, 0.0, z);
+                let corners = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+                TriMesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])?
+            }
+            &Solid::Sphere { radius } => solid::capsule(0.0, radius, QUARTER)?,
+            &Solid::Capsule { half_length, radius } => solid::capsule(half_length, radius, QUARTER)?,
+            &Solid::Box { half_extent } => solid::cuboid(half_extent)?,
+            Solid::Sdf { source, spacing } => {
+                let filled = Stuffing::with_cell_size(2.0 * f64::from(*spacing));
+                filled.fill(source.distance(folder)?.as_ref())?.0.boundary_mesh()?.0
+            }
+        })
+    }
+
     fn build(&self, folder: &Path) -> Result<vivace_collision::Obstacle, ObstacleError> {
         for (what, value) in [("rotate", self.rotate), ("at", self.at), ("velocity", self.velocity)] {
             if !value.is_finite() {
@@ -164,4 +190,7 @@ pub enum ObstacleError {
     /// It cannot be sampled.
     #[error(transparent)]
     Field(#[from] CollisionError),
+    /// It has no surface.
+    #[error(transparent)]
+    Surface(#[from] MeshError),
 }

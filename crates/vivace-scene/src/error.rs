@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use vivace_mesh::MeshError;
 use vivace_model::ModelError;
 
-use crate::ObstacleError;
+use crate::{ObstacleError, PathError};
 
 /// Why a scene is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -85,6 +85,11 @@ pub enum BodyError {
     /// Its material, or a place, is out of range.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// Cloth that is to tear and has nothing that can break.
+    #[error(
+        "the cloth is to tear, which begins with a spring that breaks; give it `springs`, or leave `tear` out"
+    )]
+    NoSprings,
     /// A file that the shape needs cannot be read.
     #[error("cannot read {}: {reason}; paths are relative to the scene's folder", path.display())]
     Read {
@@ -103,12 +108,20 @@ pub enum BodyError {
         /// What to write.
         remedy: &'static str,
     },
+    /// What is to be dragged has no way.
+    #[error("drags[{index}]: {source}")]
+    Drag {
+        /// Which, from 0.
+        index: usize,
+        /// What is wrong with it.
+        source: PathError,
+    },
     /// A selection that means no particle.
     #[error(
         "{list}[{index}] selects no particle; the body reaches from {min} to {max} (its own coordinates)"
     )]
     Nothing {
-        /// `pins` or `attachments`.
+        /// `pins`, `attachments` or `drags`.
         list: &'static str,
         /// Which, from 0.
         index: usize,
@@ -120,7 +133,7 @@ pub enum BodyError {
     /// A selection with numbers that cannot be.
     #[error("{list}[{index}]: {reason}")]
     Select {
-        /// `pins` or `attachments`.
+        /// `pins`, `attachments` or `drags`.
         list: &'static str,
         /// Which, from 0.
         index: usize,

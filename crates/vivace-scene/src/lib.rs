@@ -19,6 +19,7 @@
 
 mod body;
 mod collisions;
+mod drag;
 mod error;
 mod material;
 mod ready;
@@ -28,10 +29,11 @@ mod shape;
 
 pub use body::{Attach, Body};
 pub use collisions::{Collisions, Obstacle, ObstacleError, Solid};
+pub use drag::{Between, Drag, Hold, Key, Path, PathError, Pose};
 pub use error::{BodyError, SceneError};
 pub use material::{Bending, ClothStrain, Material, VolumeStiffness};
-pub use ready::{armadillo, beam, curtain, drape, tablecloth};
-pub use scene::Scene;
+pub use ready::{armadillo, beam, curtain, drape, flag, heap, noodles, pinch, stack, tablecloth};
+pub use scene::{Built, Held, Scene};
 pub use select::Select;
 pub use shape::{Pattern, Shape, Source};
-pub use vivace_model::{Forces, Model, State, Wind};
+pub use vivace_model::{Forces, Model, State, TearLimit, Wind};

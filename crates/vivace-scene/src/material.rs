@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 use vivace_mesh::{Mesh, TetMesh, TriMesh};
-use vivace_model::ModelBuilder;
+use vivace_model::{ModelBuilder, TearLimit};
 
 use crate::BodyError;
 
@@ -26,6 +26,9 @@ pub enum Material {
         /// A limit on the strain of each triangle; none if left out.
         #[serde(default)]
         strain: Option<ClothStrain>,
+        /// When springs break and the cloth tears; never if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        tear: Option<TearLimit>,
     },
     /// For tetrahedra.
     Volume {
@@ -80,13 +83,16 @@ impl fmt::Display for Material {
     /// In one line, with units.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let springs = match *self {
-            Self::Cloth { density, springs, bending, strain } => {
+            Self::Cloth { density, springs, bending, strain, tear } => {
                 write!(f, "{density} kg/m\u{b2}")?;
                 if let Some(Bending { stiffness, curved }) = bending {
                     write!(f, ", {} hinges of {stiffness:?} J", if curved { "curved" } else { "flat" })?;
                 }
                 if let Some(ClothStrain { stiffness, limit }) = strain {
                     write!(f, ", {stiffness} N/m beyond a strain of {limit}")?;
+                }
+                if let Some(TearLimit { strain, .. }) = tear {
+                    write!(f, ", tearing above a strain of {strain}")?;
                 }
                 springs
             }
@@ -138,6 +144,7 @@ impl Material {
             springs: cloth_springs(),
             bending: cloth_bending(),
             strain: None,
+            tear: None,
         }
     }
 
@@ -150,8 +157,15 @@ impl Material {
     /// Adds the mesh with masses and constraints; returns its first particle.
     pub(crate) fn add(&self, builder: &mut ModelBuilder, mesh: &Mesh) -> Result<u32, BodyError> {
         match (self, mesh) {
-            (&Self::Cloth { density, springs, bending, strain }, Mesh::Tri(mesh)) => {
-                add_cloth(builder, mesh, density, springs, bending, strain)
+            (&Self::Cloth { density, springs, bending, strain, tear }, Mesh::Tri(mesh)) => {
+                let (before, first) =
+                    (builder.n_springs(), add_cloth(builder, mesh, density, springs, bending, strain)?);
+                match tear {
+                    Some(_) if springs.is_none() => return Err(BodyError::NoSprings),
+                    Some(limit) => builder.let_tear(before..builder.n_springs(), &limit)?,
+                    None => {}
+                }
+                Ok(first)
             }
             (&Self::Volume { density, strain, volume, springs }, Mesh::Tet(mesh)) => {
                 add_volume(builder, mesh, density, strain, volume, springs)

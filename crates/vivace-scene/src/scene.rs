@@ -7,7 +7,8 @@ use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 use vivace_model::{Forces, Model, ModelBuilder, State, check_time_step};
 
-use crate::{Body, Collisions, SceneError};
+use crate::drag::Path as Way;
+use crate::{Body, Collisions, Hold, SceneError};
 
 /// Bodies, and what acts on them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,6 +25,30 @@ pub struct Scene {
     /// Whether and with what bodies collide; left out, they pass through one another.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub collisions: Option<Collisions>,
+}
+
+/// A scene, built.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Built {
+    /// The model.
+    pub model: Model,
+    /// The state it begins in.
+    pub state: State,
+    /// What is dragged while it runs, in the order of the scene.
+    pub drags: Vec<Held>,
+}
+
+/// A [`Drag`](crate::Drag) of the particles that it selects.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held {
+    /// The particles.
+    pub particles: Vec<u32>,
+    /// How they are held.
+    pub hold: Hold,
+    /// Where they go.
+    pub path: Way,
+    /// When they are let go \[s\].
+    pub release: Option<f64>,
 }
 
 impl Default for Scene {
@@ -111,21 +136,30 @@ impl Scene {
         text.map(|text| text + "\n").map_err(|error| SceneError::Write { reason: error.to_string() })
     }
 
-    /// The model, and the state it begins in. Files of meshes are looked for in `folder`.
+    /// The model, and the state it begins in; what is dragged is free there, see [`Scene::build_all`]. Files of meshes are looked for
+    /// in `folder`.
+    ///
+    /// # Errors
+    /// As [`Scene::build_all`].
+    pub fn build(&self, folder: &Path) -> Result<(Model, State), SceneError> {
+        self.build_all(folder).map(|built| (built.model, built.state))
+    }
+
+    /// The model, the state it begins in, and what is dragged while it runs. Files of meshes are looked for in `folder`.
     ///
     /// # Errors
     /// No bodies; a value that is not finite, zero or negative where it may not be; a mesh that cannot be made; a selection that
     /// means nothing. Says which body.
-    pub fn build(&self, folder: &Path) -> Result<(Model, State), SceneError> {
+    pub fn build_all(&self, folder: &Path) -> Result<Built, SceneError> {
         if self.bodies.is_empty() {
             return Err(SceneError::Empty);
         }
         self.forces.check().map_err(SceneError::Value)?;
         check_time_step(self.time_step).map_err(SceneError::Value)?;
         let mut builder = ModelBuilder::new();
-        let mut velocities = Vec::<Vec3>::new();
+        let (mut velocities, mut drags) = (Vec::<Vec3>::new(), Vec::new());
         for (index, body) in self.bodies.iter().enumerate() {
-            let result = body.add(&mut builder, &mut velocities, folder);
+            let result = body.add(&mut builder, &mut velocities, &mut drags, folder);
             result.map_err(|source| SceneError::Body { body: index, shape: body.shape.name(), source })?;
         }
         let (model, mut state) = builder.build()?;
@@ -134,6 +168,6 @@ impl Scene {
                 *velocity = wanted;
             }
         }
-        Ok((model, state))
+        Ok(Built { model, state, drags })
     }
 }

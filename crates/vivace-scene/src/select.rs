@@ -11,9 +11,9 @@ pub enum Select {
     Nearest(Vec3),
     /// All within a box, its faces included.
     Box {
-        /// Least coordinates.
+        /// Least coordinates \[m\].
         min: Vec3,
-        /// Greatest coordinates.
+        /// Greatest coordinates \[m\].
         max: Vec3,
     },
     /// These, by number.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use vivace_mesh::irregularity::Irregularity;
-use vivace_mesh::sdf::{Blend, ClosedSurface, DILLO, HARE, SignedDistance};
+use vivace_mesh::sdf::{ARMCHAIR, Blend, ClosedSurface, DILLO, HARE, SignedDistance};
 use vivace_mesh::stuffing::Stuffing;
 use vivace_mesh::{Mesh, MeshError, TetMesh, TriMesh, ball, beam, cloth, load};
 
@@ -81,7 +81,9 @@ pub enum Source {
     Dillo,
     /// The hare that stands in for the bunny.
     Hare,
-    /// Lines `blend`, `cone` and `ellip`, see [`vivace_mesh::sdf::Blend`].
+    /// An armchair of 1.09 m that faces +z and stands on y = 0.
+    Armchair,
+    /// Lines `blend`, `cone`, `ellip` and `box`, see [`vivace_mesh::sdf::Blend`].
     Text(String),
     /// A file of such lines, a closed surface as .obj, or a volume as .vtk whose boundary is one; the path is relative to the
     /// scene's folder.
@@ -129,11 +131,16 @@ impl Shape {
 }
 
 impl Source {
-    pub(crate) fn distance(&self, folder: &Path) -> Result<Box<dyn SignedDistance + Sync>, BodyError> {
+    /// The function; files are looked for in `folder`.
+    ///
+    /// # Errors
+    /// A text or a file that is none.
+    pub fn distance(&self, folder: &Path) -> Result<Box<dyn SignedDistance + Sync>, BodyError> {
         let blend = |text: &str| Ok(Box::new(text.parse::<Blend>()?) as Box<dyn SignedDistance + Sync>);
         match self {
             Self::Dillo => blend(DILLO),
             Self::Hare => blend(HARE),
+            Self::Armchair => blend(ARMCHAIR),
             Self::Text(text) => blend(text),
             Self::Path(path) => {
                 let path = folder.join(path);

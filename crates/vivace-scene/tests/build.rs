@@ -3,8 +3,8 @@
 use glam::Vec3;
 use vivace_model::{Forces, Model, State};
 use vivace_scene::{
-    Attach, Bending, Body, Material, Pattern, Scene, SceneError, Select, Shape, VolumeStiffness, armadillo,
-    beam, curtain, tablecloth,
+    Attach, Bending, Body, Material, Obstacle, Pattern, Scene, SceneError, Select, Shape, Solid, Source,
+    VolumeStiffness, armadillo, beam, curtain, heap, noodles, stack, tablecloth,
 };
 
 fn build(scene: &Scene) -> Result<(Model, State), SceneError> {
@@ -69,6 +69,55 @@ fn the_curtain_hangs_from_its_rod() {
 }
 
 #[test]
+fn noodles_and_heap_have_the_sizes_of_the_paper() {
+    let sizes = |scene: &Scene| {
+        let (model, _) = build(scene).unwrap();
+        let c = model.constraints();
+        (model.n_particles(), model.surface().len(), c.springs.len(), c.bending.len())
+    };
+    assert_eq!(sizes(&noodles(8)), (30_080, 52_080, 82_120, 74_120));
+    assert_eq!(sizes(&heap(78)), (55_458, 108_108, 163_557, 160_767));
+    assert_eq!(sizes(&noodles(2)).0, 40 * 2 * 14);
+    assert_eq!(sizes(&heap(5)).0, 9 * 5 * 6);
+    // Cloths that are smaller in number are as large in metres.
+    let width = |scene: &Scene| {
+        let (_, state) = build(scene).unwrap();
+        let x = |f: fn(f32, f32) -> f32| state.positions.iter().map(|p| p.x).reduce(f).unwrap();
+        x(f32::max) - x(f32::min)
+    };
+    assert!((width(&heap(10)) / width(&heap(40)) - 1.0).abs() < 0.15);
+}
+
+#[test]
+fn the_stack_stands_on_the_floor() {
+    let (model, state) = build(&stack(4)).unwrap();
+    assert_eq!(model.bodies().len(), 7);
+    assert_eq!(model.constraints().tet_strain.particles[..6 * 6 * 64].len(), 6 * 6 * 64);
+    let low = state.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
+    assert!((low - 0.012).abs() < 1e-6, "{low}");
+}
+
+#[test]
+fn obstacles_have_surfaces() {
+    let surface = |solid| Obstacle::new(solid).surface(".".as_ref(), 3.0).unwrap();
+    let volume = |solid| surface(solid).signed_volume();
+    assert!((volume(Solid::Sphere { radius: 0.5 }) - std::f64::consts::FRAC_PI_6).abs() < 0.005);
+    assert!((volume(Solid::Capsule { half_length: 1.0, radius: 0.5 }) - 2.0944).abs() < 0.02);
+    assert!((volume(Solid::Box { half_extent: Vec3::new(1.0, 0.5, 0.25) }) - 1.0).abs() < 1e-6);
+    let source = Source::Text("box 1 0 0 0.5 0.5 0.5 0.1".to_owned());
+    let cube = surface(Solid::Sdf { source, spacing: 0.05 });
+    cube.check_volume_boundary().unwrap();
+    assert!((cube.signed_volume() - 0.97).abs() < 0.02, "{}", cube.signed_volume());
+    let floor = surface(Solid::Plane);
+    assert_eq!((floor.triangles().len(), floor.positions()[0]), (2, Vec3::new(-3.0, 0.0, -3.0)));
+    let no_file = Solid::Sdf { source: Source::Path("gone.txt".into()), spacing: 0.05 };
+    assert!(Obstacle::new(no_file).surface(".".as_ref(), 1.0).is_err());
+    let armchair = surface(Solid::Sdf { source: Source::Armchair, spacing: 0.04 });
+    let high = armchair.positions().iter().map(|p| p.y).fold(0.0, f32::max);
+    assert!((high - 1.09).abs() < 0.01, "{high}");
+}
+
+#[test]
 fn bodies_are_scaled_then_turned_then_moved() {
     let scene = with(|body| {
         (body.scale, body.rotate, body.at) = (2.0, Vec3::new(0.0, 90.0, 90.0), Vec3::new(10.0, 0.0, 0.0));
@@ -105,7 +154,8 @@ fn what_cannot_be_is_refused_by_name() {
     let box_of = |min: f32, max: f32| Select::Box { min: Vec3::splat(min), max: Vec3::splat(max) };
     let held = |select, stiffness| Attach { select, stiffness, offset: Vec3::ZERO };
     let volume = |density, strain, volume| Material::Volume { density, strain, volume, springs: None };
-    let cloth = |density, springs, bending| Material::Cloth { density, springs, bending, strain: None };
+    let cloth =
+        |density, springs, bending| Material::Cloth { density, springs, bending, strain: None, tear: None };
     let ball = |body: &mut Body, material| {
         (body.shape, body.material) = (Shape::Ball { n: 2, radius: 1.0 }, material);
     };

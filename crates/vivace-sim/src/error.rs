@@ -21,6 +21,15 @@ pub enum SimError {
     /// A state, a force, a target or a time step cannot be.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A grab that holds nothing.
+    #[error("there are no particles to hold, or not as many as places; name at least one, and each once")]
+    Nothing,
+    /// A grab that is none, or no more.
+    #[error("grab {grab} holds nothing: it was released, or is of another simulation")]
+    NoGrab {
+        /// Its number.
+        grab: u64,
+    },
     /// A text is not a snapshot.
     #[error("line {line}, column {column}: {reason}; is it a snapshot?")]
     Text {
@@ -36,7 +45,7 @@ pub enum SimError {
         "the snapshot has {found} {what}, the simulation {expected}; restore it in the scene it was taken of"
     )]
     Snapshot {
-        /// Particles or attachments.
+        /// Particles, attachments or drags.
         what: &'static str,
         /// In the simulation.
         expected: usize,

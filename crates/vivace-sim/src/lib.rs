@@ -18,22 +18,31 @@
 
 mod backend;
 mod error;
+mod grab;
+mod positions;
 mod simulation;
 mod snapshot;
 
 pub use backend::Backend;
+#[cfg(feature = "gpu")]
+pub use backend::device_bytes;
 pub use error::SimError;
 pub use glam;
 pub use glam::Vec3;
+pub use grab::{Grab, Patch};
+pub use positions::PendingPositions;
 pub use simulation::Simulation;
-pub use snapshot::Snapshot;
+pub use snapshot::{Snapshot, Torn};
 #[cfg(feature = "gpu")]
 pub use vivace_gpu as gpu;
 pub use vivace_mesh as mesh;
-pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Wind};
+pub use vivace_model::{Forces, Model, ModelBuilder, ModelError, State, Tear, TearLimit, Wind};
 pub use vivace_scene as scene;
-pub use vivace_scene::{Scene, SceneError};
+pub use vivace_scene::{Hold, Pose, Scene, SceneError};
+#[cfg(feature = "gpu")]
+pub use vivace_solver::Resident;
+pub use vivace_solver::collision;
 pub use vivace_solver::{
     Base, Budget, ContactMemory, ContactReport, Ease, Framework, LocalStep, PhaseTimes, Preconditioner,
-    Relaxation, Solver, SolverError, StepReport, Stop, VertexSolve,
+    Relaxation, Rho, Solver, SolverError, StepReport, Stop, TearReport, VertexSolve,
 };

@@ -1,14 +1,22 @@
 //! A model on its way through time.
 
+mod holding;
+mod restoring;
+mod tearing;
+mod unseen;
+
 use std::ops::Range;
 use std::path::Path;
+#[cfg(feature = "gpu")]
+use std::sync::Arc;
 
 use vivace_model::{Forces, Model, ModelError, State, check_time_step};
-use vivace_scene::Scene;
-use vivace_solver::collision::Obstacle;
-use vivace_solver::{Budget, Collisions, Solver, SolverError, StepReport, System};
+use vivace_scene::{Built, Held, Scene};
+use vivace_solver::collision::{self, Contact, Obstacle};
+use vivace_solver::{Budget, Collisions, PinMove, Solver, SolverError, StepReport, System};
 
-use crate::{Backend, SimError, Snapshot, Vec3};
+use self::unseen::Seen;
+use crate::{Backend, Patch, SimError, Torn, Vec3};
 
 /// A model, its state, what acts on it, and a solver prepared for it.
 ///
@@ -22,8 +30,26 @@ pub struct Simulation {
     time_step: f32,
     frame: u64,
     time: f64,
+    /// What the host has seen last, where frames have passed since that it has not.
+    seen: Option<Seen>,
+    is_on_device: bool,
+    /// Where the solver has each particle, for positions that are read aside.
+    #[cfg(feature = "gpu")]
+    place: Option<Arc<[u32]>>,
     /// Where the scene's obstacles stand at the start, and how fast they move \[m/s\].
     obstacles: Vec<(Obstacle, Vec3)>,
+    /// What the scene drags.
+    drags: Vec<Held>,
+    /// How many of the model's attachments are its own; those of grabs follow.
+    n_attachments: usize,
+    grabs: Vec<Patch>,
+    n_grabs: u64,
+    moves: Vec<PinMove>,
+    /// The model as it was built; there once something has torn.
+    whole: Option<Box<Model>>,
+    tears: Vec<Torn>,
+    /// The state before a step, of a model that may tear.
+    before: State,
 }
 
 impl Simulation {
@@ -61,10 +87,16 @@ impl Simulation {
         Self::build(scene, Path::new("."), solver, backend)
     }
 
-    fn build(scene: &Scene, folder: &Path, solver: Solver, backend: Backend) -> Result<Self, SimError> {
-        let (model, state) = scene.build(folder)?;
+    pub(crate) fn build(
+        scene: &Scene,
+        folder: &Path,
+        solver: Solver,
+        backend: Backend,
+    ) -> Result<Self, SimError> {
+        let Built { model, state, drags } = scene.build_all(folder)?;
         let mut simulation =
             Self::from_model_on(model, state, scene.forces, scene.time_step, solver, backend)?;
+        simulation.drags = drags;
         if let Some(collisions) = &scene.collisions {
             simulation.set_collisions(Some(collisions), folder)?;
         }
@@ -81,6 +113,7 @@ impl Simulation {
         collisions: Option<&vivace_scene::Collisions>,
         folder: &Path,
     ) -> Result<(), SimError> {
+        self.sync()?;
         let Some(of) = collisions else {
             self.obstacles.clear();
             return Ok(self.system.set_collisions(None)?);
@@ -101,11 +134,21 @@ impl Simulation {
         obstacles.clear();
         for (obstacle, velocity) in &self.obstacles {
             let mut obstacle = obstacle.clone();
-            let position = obstacle.from.position.as_dvec3();
-            let at = |time: f64| (position + velocity.as_dvec3() * time).as_vec3();
-            (obstacle.from.position, obstacle.to.position) = (at(start), at(end));
+            let pose = obstacle.from;
+            (obstacle.from, obstacle.to) = (at(pose, *velocity, start), at(pose, *velocity, end));
             obstacles.push(obstacle);
         }
+    }
+
+    /// The contacts that the last step has found; none without collisions.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        self.system.collisions().map_or(&[], Collisions::contacts)
+    }
+
+    /// Where the scene's obstacles stand now, in order.
+    pub fn obstacles(&self) -> impl ExactSizeIterator<Item = collision::Pose> {
+        self.obstacles.iter().map(|(obstacle, velocity)| at(obstacle.from, *velocity, self.time))
     }
 
     /// A model of your own, with `time_step` \[s\] from frame to frame.
@@ -138,20 +181,66 @@ impl Simulation {
         state.check(&model)?;
         forces.check()?;
         check_time_step(time_step)?;
+        let n_attachments = model.constraints().attachments.len();
+        let is_on_device = backend.is_device();
         let system = backend.system(model, solver)?;
-        Ok(Self { system, state, forces, time_step, frame: 0, time: 0.0, obstacles: Vec::new() })
+        Ok(Self {
+            system,
+            state,
+            forces,
+            time_step,
+            frame: 0,
+            time: 0.0,
+            seen: None,
+            is_on_device,
+            #[cfg(feature = "gpu")]
+            place: None,
+            obstacles: Vec::new(),
+            drags: Vec::new(),
+            n_attachments,
+            grabs: Vec::new(),
+            n_grabs: 0,
+            moves: Vec::new(),
+            whole: None,
+            tears: Vec::new(),
+            before: State::default(),
+        })
     }
 
     /// The next frame.
     ///
     /// # Errors
-    /// A budget or force that cannot be; a result that is not finite; a GPU that fails or is lost. The simulation is then as it was.
+    /// A budget or force that cannot be; particles that the scene is to drag now and cannot; a result that is not finite; a GPU that fails
+    /// or is lost. The simulation is then as it was.
     pub fn step(&mut self, budget: Budget) -> Result<StepReport, SimError> {
+        if self.seen.is_some() && !self.needs_host() {
+            let report = self.advance(budget)?;
+            self.sync()?;
+            return Ok(report);
+        }
+        self.sync()?;
         self.place_obstacles();
-        let report = self.system.step(&mut self.state, &self.forces, self.time_step, budget)?;
+        let (start, end) = (self.time, self.time + f64::from(self.time_step));
+        let before = self.follow_drags(start, end)?;
+        match self.lead(end).and_then(|()| self.step_and_tear(budget)) {
+            Ok(report) => {
+                self.count_frame();
+                Ok(report)
+            }
+            Err(error) => {
+                if let Some((grabs, n_grabs)) = before {
+                    self.set_grabs(grabs)?;
+                    self.n_grabs = n_grabs;
+                }
+                self.lead(start)?;
+                Err(error)
+            }
+        }
+    }
+
+    fn count_frame(&mut self) {
         self.frame += 1;
         self.time += f64::from(self.time_step);
-        Ok(report)
     }
 
     /// Whether each step reports its objective \[J\] and residual \[N\], which takes about as long as two iterations, not counted
@@ -160,13 +249,13 @@ impl Simulation {
         self.system.set_measuring(is_on);
     }
 
-    /// Positions \[m\].
+    /// Positions \[m\], as the host has seen them last: see [`Simulation::advance`].
     #[must_use]
     pub fn positions(&self) -> &[Vec3] {
         &self.state.positions
     }
 
-    /// Positions and velocities.
+    /// Positions and velocities, as the host has seen them last: see [`Simulation::advance`].
     #[must_use]
     pub fn state(&self) -> &State {
         &self.state
@@ -179,6 +268,7 @@ impl Simulation {
     pub fn set_state(&mut self, state: State) -> Result<(), SimError> {
         state.check(self.system.model())?;
         self.state = state;
+        self.seen = None;
         Ok(())
     }
 
@@ -191,7 +281,7 @@ impl Simulation {
 
     /// The attachments of body `body` of the scene, from 0, for [`Simulation::set_target`]; none if there is no such body.
     pub fn attachments_of(&self, body: usize) -> impl Iterator<Item = usize> {
-        self.model().attachments_of(body)
+        self.model().attachments_of(body).take_while(|&attachment| attachment < self.n_attachments)
     }
 
     /// Moves the target of an attachment \[m\]: dragging.
@@ -199,12 +289,16 @@ impl Simulation {
     /// # Errors
     /// There is no such attachment; a target that is not finite or is beyond 10¹² m.
     pub fn set_target(&mut self, attachment: usize, target: Vec3) -> Result<(), SimError> {
+        let n_attachments = self.n_attachments;
+        if attachment >= n_attachments {
+            return Err(ModelError::Attachment { attachment, n_attachments }.into());
+        }
         Ok(self.system.set_attachment_target(attachment, target)?)
     }
 
     /// Where the attachments pull to \[m\].
     pub fn targets(&self) -> impl ExactSizeIterator<Item = Vec3> {
-        self.model().constraints().attachments.rest.iter().map(|attachment| attachment.target)
+        self.model().attachments().take(self.n_attachments).map(|(_, target, _)| target)
     }
 
     /// What acts on the particles.
@@ -233,9 +327,12 @@ impl Simulation {
     /// Goes on with another solver.
     ///
     /// # Errors
-    /// It cannot be; the old one stays.
+    /// It cannot be; the old one stays. As [`Simulation::sync`].
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SimError> {
-        Ok(self.system.set_solver(solver)?)
+        self.sync()?;
+        self.system.set_solver(solver)?;
+        self.forget_place();
+        Ok(())
     }
 
     /// Time from frame to frame \[s\].
@@ -265,59 +362,10 @@ impl Simulation {
     pub fn time(&self) -> f64 {
         self.time
     }
+}
 
-    /// All that changes, to be kept.
-    #[must_use]
-    pub fn snapshot(&self) -> Snapshot {
-        Snapshot {
-            frame: self.frame,
-            time: self.time,
-            time_step: self.time_step,
-            forces: self.forces,
-            ease: self.system.ease(),
-            contacts: self.system.contact_memory(),
-            targets: self.targets().collect(),
-            state: self.state.clone(),
-        }
-    }
-
-    /// Goes back to a snapshot, of this simulation or of another of the same scene. Under a budget of iterations the frames that
-    /// follow are the same bit for bit.
-    ///
-    /// # Errors
-    /// A snapshot of another model, or with values that cannot be; the simulation stays as it was.
-    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimError> {
-        let count = |what, expected, found| {
-            if expected == found { Ok(()) } else { Err(SimError::Snapshot { what, expected, found }) }
-        };
-        count("particles", self.model().n_particles(), snapshot.state.positions.len())?;
-        count("attachments", self.model().constraints().attachments.len(), snapshot.targets.len())?;
-        snapshot.state.check(self.model())?;
-        snapshot.forces.check()?;
-        check_time_step(snapshot.time_step)?;
-        if !snapshot.time.is_finite() {
-            #[expect(clippy::cast_possible_truncation, reason = "not a number, or infinite")]
-            let (what, value) = ("the time of the snapshot [s]", snapshot.time as f32);
-            return Err(ModelError::Value { what, value, need: "finite" }.into());
-        }
-        let contacts = self.system.contact_memory();
-        self.system.set_contact_memory(&snapshot.contacts)?;
-        let before: Vec<Vec3> = self.targets().collect();
-        for (attachment, &target) in snapshot.targets.iter().enumerate() {
-            if let Err(error) = self.set_target(attachment, target) {
-                for (attachment, &target) in before.iter().enumerate() {
-                    self.set_target(attachment, target)?;
-                }
-                self.system.set_contact_memory(&contacts)?;
-                return Err(error);
-            }
-        }
-        self.system.set_ease(snapshot.ease);
-        self.state.clone_from(&snapshot.state);
-        self.forces = snapshot.forces;
-        self.time_step = snapshot.time_step;
-        self.frame = snapshot.frame;
-        self.time = snapshot.time;
-        Ok(())
-    }
+/// A pose at the start, `time` \[s\] later.
+fn at(pose: collision::Pose, velocity: Vec3, time: f64) -> collision::Pose {
+    let position = pose.position.as_dvec3() + velocity.as_dvec3() * time;
+    collision::Pose { position: position.as_vec3(), ..pose }
 }

@@ -1,10 +1,10 @@
 //! A simulation at rest on disk.
 
 use serde::{Deserialize, Serialize};
-use vivace_model::{Forces, State};
+use vivace_model::{Forces, State, Tear};
 use vivace_solver::{ContactMemory, Ease};
 
-use crate::{SimError, Vec3};
+use crate::{Patch, SimError, Vec3};
 
 /// All of a simulation that changes from frame to frame. The scene and the solver are not part of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,10 +23,29 @@ pub struct Snapshot {
     /// What the coloring remembers of contacts.
     #[serde(default)]
     pub contacts: ContactMemory,
+    /// What is held.
+    #[serde(default)]
+    pub grabs: Vec<Patch>,
+    /// How often something has been held.
+    #[serde(default)]
+    pub n_grabs: u64,
+    /// What has torn, frame by frame.
+    #[serde(default)]
+    pub tears: Vec<Torn>,
     /// Where each attachment pulls to \[m\].
     pub targets: Vec<Vec3>,
     /// Positions and velocities.
     pub state: State,
+}
+
+/// What tore at the end of a frame.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Torn {
+    /// The frame, from 1.
+    pub frame: u64,
+    /// In the order in which it tore.
+    pub tears: Vec<Tear>,
 }
 
 impl Snapshot {

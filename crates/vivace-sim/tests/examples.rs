@@ -46,4 +46,6 @@ examples! {
     jelly_beam: "../examples/jelly_beam.rs",
     load_a_scene: "../examples/load_a_scene.rs",
     snapshot_and_resume: "../examples/snapshot_and_resume.rs",
+    your_own_device: "../examples/your_own_device.rs",
+    cloth_on_a_ball: "../examples/cloth_on_a_ball.rs",
 }

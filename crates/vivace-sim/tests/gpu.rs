@@ -2,11 +2,13 @@
 
 #![cfg(feature = "gpu")]
 
+use std::path::Path;
+
 use vivace_sim::gpu::{Gpu, wgpu};
 use vivace_sim::scene::tablecloth;
 use vivace_sim::{
     Backend, Budget, Framework, LocalStep, Relaxation, SimError, Simulation, Snapshot, Solver, SolverError,
-    Vec3, VertexSolve, Wind,
+    Vec3, VertexSolve, Wind, device_bytes,
 };
 
 fn play(simulation: &mut Simulation, n_frames: u32, iterations: u32) {
@@ -67,6 +69,86 @@ fn a_snapshot_resumes_bit_for_bit() {
     resumed.restore(&Snapshot::from_json(&text).unwrap()).unwrap();
     play(&mut resumed, 3, 12);
     assert_eq!(resumed.state(), whole.state());
+}
+
+fn new_there(n: usize) -> Simulation {
+    Simulation::new_on(&tablecloth(n), Solver::default(), Backend::gpu().expect("a device"))
+        .expect("a simulation")
+}
+
+/// Frames that the host does not see are those that it would have seen; what it reads aside is of the frame that it asked in.
+#[test]
+fn frames_that_nobody_sees_are_the_same() {
+    let (mut seen, mut unseen) = (new_there(12), new_there(12));
+    let mut pending = Vec::new();
+    for _ in 0..4 {
+        seen.step(Budget::iterations(12)).unwrap();
+        unseen.advance(Budget::iterations(12)).unwrap();
+        pending.push((unseen.read_positions().unwrap(), seen.positions().to_vec()));
+    }
+    assert_eq!(unseen.positions(), Simulation::new(&tablecloth(12), Solver::default()).unwrap().positions());
+    assert_eq!(unseen.snapshot().frame, 0, "as the host has seen it");
+    for (pending, expected) in pending {
+        assert_eq!(pending.wait().unwrap(), expected);
+    }
+    unseen.sync().unwrap();
+    assert_eq!((unseen.state(), unseen.frame()), (seen.state(), 4));
+    assert_eq!(unseen.snapshot(), seen.snapshot());
+    // A step, another solver and another state go on from where it is.
+    let fused = Solver { framework: Framework::FUSED, ..Solver::default() };
+    for simulation in [&mut seen, &mut unseen] {
+        let state = simulation.state().clone();
+        simulation.step(Budget::iterations(12)).unwrap();
+        simulation.set_solver(fused).unwrap();
+        simulation.step(Budget::iterations(12)).unwrap();
+        simulation.set_state(state).unwrap();
+    }
+    seen.step(Budget::iterations(12)).unwrap();
+    unseen.advance(Budget::iterations(12)).unwrap();
+    unseen.step(Budget::iterations(12)).unwrap();
+    seen.step(Budget::iterations(12)).unwrap();
+    assert_eq!(unseen.state(), seen.state());
+    assert_eq!(unseen.read_positions().unwrap().try_read().unwrap().as_deref(), Some(seen.positions()));
+}
+
+/// What has gone wrong where nobody looked takes the simulation back to what the host has seen.
+#[test]
+fn what_is_lost_unseen_is_told_when_looked_at() {
+    let mut simulation = new_there(8);
+    simulation.step(Budget::iterations(4)).unwrap();
+    let before = simulation.snapshot();
+    simulation.advance(Budget::iterations(4)).unwrap();
+    simulation.forces_mut().gravity = Vec3::splat(1e38);
+    simulation.advance(Budget::iterations(4)).unwrap();
+    let error = simulation.sync().unwrap_err();
+    assert!(matches!(error, SimError::Solver(SolverError::Diverged { .. })), "{error}");
+    simulation.forces_mut().gravity = before.forces.gravity;
+    assert_eq!(simulation.snapshot(), before);
+    simulation.advance(Budget::iterations(4)).unwrap();
+    simulation.sync().unwrap();
+    assert_eq!(simulation.frame(), 2);
+}
+
+/// On the CPU nothing is out of sight.
+#[test]
+fn the_cpu_sees_what_it_advances() {
+    let mut simulation = Simulation::new(&tablecloth(6), Solver::default()).unwrap();
+    simulation.advance(Budget::iterations(3)).unwrap();
+    assert_eq!(simulation.read_positions().unwrap().wait().unwrap(), simulation.positions());
+    assert!(simulation.resident().is_none() && simulation.snapshot().frame == 1);
+}
+
+#[test]
+fn bytes_are_known_before_a_device_is_asked() {
+    for (framework, iterations) in [(Framework::default(), 12), (Framework::PositionBased, 3)] {
+        let (solver, budget) = (Solver { framework, ..Solver::default() }, Budget::iterations(iterations));
+        let bytes = device_bytes(&tablecloth(20), Path::new("."), solver, budget).unwrap();
+        let mut simulation = Simulation::new_on(&tablecloth(20), solver, Backend::gpu().unwrap()).unwrap();
+        for _ in 0..2 {
+            simulation.step(budget).unwrap();
+            assert_eq!(simulation.resident().unwrap().backend.allocated(), bytes, "{solver:?}");
+        }
+    }
 }
 
 #[test]

@@ -33,8 +33,10 @@ fn free_silk_is_carried_away_by_a_strong_wind() {
     let wind = Vec3::new(2.0, 0.0, 5.0);
     for (density, drag) in [(0.05, 8.0), (1e-3, 1e3)] {
         let shape = Shape::Cloth { width: 12, height: 12, spacing: 0.05, pattern: Pattern::Regular };
-        let Material::Cloth { springs, bending, strain, .. } = Material::cloth() else { unreachable!() };
-        let material = Material::Cloth { density, springs, bending, strain };
+        let Material::Cloth { springs, bending, strain, tear, .. } = Material::cloth() else {
+            unreachable!()
+        };
+        let material = Material::Cloth { density, springs, bending, strain, tear };
         let forces = Forces { wind: Some(Wind { velocity: wind, drag }), ..Forces::default() };
         let scene = Scene { bodies: vec![Body::new(shape, material)], forces, ..Scene::default() };
         for solver in solvers() {

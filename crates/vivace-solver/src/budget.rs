@@ -53,6 +53,11 @@ impl Budget {
         Self { tolerance: Some(meters), ..self }
     }
 
+    /// Whether it is of iterations alone: nobody has to look when to stop.
+    pub(crate) fn is_counted(&self) -> bool {
+        self.iterations.is_some() && self.seconds.is_none() && self.tolerance.is_none()
+    }
+
     /// Whether there is a bound, and each makes sense.
     ///
     /// # Errors

@@ -2,35 +2,62 @@
 
 use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
-use vivace_kernels::constraint;
+use vivace_kernels::constraint::{self, Constraint};
 
 /// How much stiffer a contact is than what it holds: w Σ a²/Y_ii, where Y_ii is the diagonal without contacts. A particle that would
 /// end so far beyond the surface ends an eleventh of that deep: 0.25 mm for one on its own that falls for 1/60 s, and less for one
 /// that hangs on others.
 pub(crate) const STIFFNESS: f32 = 10.0;
 
-/// The contacts of a (small) step.
+/// One of the small steps of a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SmallStep {
+    /// Its number, of so many.
+    pub(crate) k: u32,
+    pub(crate) n: u32,
+    /// Its length \[s\].
+    pub(crate) h: f32,
+}
+
+impl SmallStep {
+    /// What is left of the step after it \[s\].
+    fn left(&self) -> f32 {
+        (self.n - 1 - self.k) as f32 * self.h
+    }
+}
+
+/// The contacts of a step, in one of its small steps.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found<'a> {
     pub(crate) contacts: &'a [vivace_collision::Contact],
-    /// Positions at its start and as predicted, in the model's order \[m\].
+    /// Positions at the beginning of the small step and as predicted, in the model's order \[m\].
     pub(crate) before: &'a [Vec3],
     pub(crate) predicted: &'a [Vec3],
     /// Masses \[kg\].
     pub(crate) masses: &'a [f32],
-    pub(crate) h: f32,
+    pub(crate) small: SmallStep,
     pub(crate) recoloring: Recoloring,
 }
 
 impl Found<'_> {
+    /// No contacts.
+    pub(crate) fn none(&self) -> Self {
+        Self { contacts: &[], ..*self }
+    }
+
+    /// Whether these are the contacts of another step than before.
+    pub(crate) fn is_new(&self) -> bool {
+        self.small.k == 0
+    }
+
     /// Contact `k` as a constraint of `stiffness` \[N/m\].
     pub(crate) fn rest(&self, k: usize, stiffness: f32) -> constraint::Contact {
-        use constraint::Constraint;
         let contact = &self.contacts[k];
         let inverse_mass = |slot: usize| {
             let weight = contact.weights[slot];
             weight * weight / self.masses[contact.particles[slot] as usize]
         };
+        let h = self.small.h;
         let mut rest = constraint::Contact {
             weights: Vec4::from(contact.weights),
             normal: contact.normal,
@@ -41,19 +68,30 @@ impl Found<'_> {
             friction: contact.friction,
             reach: f32::INFINITY,
             ahead: 0.0,
-            mobility: stiffness * self.h * self.h * (0..4).map(inverse_mass).sum::<f32>(),
+            mobility: stiffness * h * h * (0..4).map(inverse_mass).sum::<f32>(),
             padding: 0.0,
         };
+        self.renew(k, &mut rest);
+        rest
+    }
+
+    /// Makes `rest`, contact `k`, that of this small step.
+    pub(crate) fn renew(&self, k: usize, rest: &mut constraint::Contact) {
+        let contact = &self.contacts[k];
+        rest.origin = contact.origin - contact.velocity * self.small.left();
         let at = |positions: &[Vec3]| rest.apply(&contact.particles.map(|p| positions[p as usize]))[0];
-        let (start, predicted) = (at(self.before) + contact.velocity * self.h, at(self.predicted));
+        let (start, predicted) = (at(self.before) + contact.velocity * self.small.h, at(self.predicted));
         rest.start = start;
         rest.ahead = rest.slip(predicted).length();
-        rest
+        rest.reach = f32::INFINITY;
+        if rest.friction > 0.0 {
+            rest.lag(start);
+        }
     }
 }
 
-/// Sweeps before friction begins: a depth is then the force that it stands for, not what was predicted without it. Too much of it
-/// would be hard to take back: it stops a body at once, and inertia alone moves it on.
+/// Sweeps before friction follows the depth: until then that is what was predicted without contacts, and friction is what the depth at
+/// the start of the step stands for. Too much of it would be hard to take back: it stops a body at once, and inertia alone moves it on.
 pub(crate) const DELAY: u32 = 5;
 
 /// What is done to a coloring when contacts come and go.

@@ -4,10 +4,12 @@ use std::any::Any;
 use std::fmt::Debug;
 
 use glam::Vec3;
+use vivace_collision::Detector;
+use vivace_coloring::Vivace;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
-use crate::contacts::ContactMemory;
+use crate::contacts::{ContactMemory, SmallStep};
 use crate::{ContactReport, Solver, SolverError, Stages};
 
 /// A framework where it runs, with the positions and velocities of a frame.
@@ -23,14 +25,45 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// How many passes beside the sweep itself an iteration has.
     fn n_passes(&self) -> usize;
 
-    /// Takes another solver.
+    /// Takes another solver, or another model, whose particles have these colors and whose surface is prepared for detection so, if there
+    /// are any.
     ///
     /// # Errors
     /// It does not exist here; the old one stays.
-    fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError>;
+    fn set_solver(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError>;
+
+    /// Colors anew in every frame, or no more.
+    ///
+    /// # Errors
+    /// The engine does not.
+    fn set_recoloring(&mut self, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let why = "the CPU keeps particles color by color";
+        recoloring.map_or(Ok(()), |_| Err(SolverError::NoRecoloring { why }))
+    }
+
+    /// A frame begins: line 2, where it colors anew.
+    fn recolor(&mut self) {}
 
     /// Moves the target of attachment `idx`, which exists \[m\].
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
+
+    /// Takes the attachments of `model`, of which nothing else has changed. What held a state may have lost it.
+    ///
+    /// # Errors
+    /// What this engine does not hold; the old ones stay.
+    fn set_attachments(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError>;
 
     /// What depends on the time step alone. Returns at once where it is the same.
     ///
@@ -44,40 +77,52 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// Line 1: `q⁰ = q + h v + h² M⁻¹ f`.
     fn predict(&mut self, model: &Model, forces: &Forces, h: f32);
 
-    /// Makes ready for collisions, or forgets them.
-    ///
-    /// # Errors
-    /// More primitives than can be numbered; what a device does not hold.
-    fn set_collisions(&mut self, collisions: Option<&Collisions>) -> Result<(), SolverError> {
-        let _ = collisions;
-        Ok(())
-    }
+    /// After line 1: puts pinned particles elsewhere \[m\].
+    fn place(&mut self, pins: &[(u32, Vec3)]);
 
-    /// Finds the contacts of the step from where it begins to what was predicted, and takes them.
+    /// Finds the contacts of the step of `h` \[s\] from where it begins to what was predicted for its end.
     ///
     /// # Errors
     /// Detection refuses what was predicted, or an obstacle.
-    fn collide(
+    fn detect(
         &mut self,
-        model: &Model,
         collisions: &mut Collisions,
         h: f32,
         report: &mut ContactReport,
     ) -> Result<(), SolverError>;
 
-    /// After lines 3 to 8: holds back what would pass through.
+    /// Takes the contacts that were found, for a small step whose end has been predicted.
     ///
     /// # Errors
-    /// As [`Engine::collide`].
-    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError>;
+    /// As [`Engine::detect`].
+    fn take_contacts(
+        &mut self,
+        model: &Model,
+        collisions: &Collisions,
+        small: SmallStep,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError>;
 
-    /// After [`Engine::store`]: what contacts did in the step, where that was not told before.
+    /// After all small steps of a step of `h` \[s\]: holds back what has passed through something since contacts were looked for.
     ///
     /// # Errors
-    /// What went wrong in finding out.
-    fn report_contacts(&mut self, report: &mut ContactReport) -> Result<(), SolverError> {
+    /// As [`Engine::detect`].
+    fn guard(
+        &mut self,
+        collisions: &mut Collisions,
+        forces: &Forces,
+        h: f32,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError>;
+
+    /// After all that: what contacts did in the step, where that was not told before; whether some were left out for want of room, and there is
+    /// more room now.
+    ///
+    /// # Errors
+    /// What went wrong in finding out, or in making room.
+    fn report_contacts(&mut self, report: &mut ContactReport) -> Result<bool, SolverError> {
         let _ = report;
-        Ok(())
+        Ok(false)
     }
 
     /// What the coloring of the next step depends on.

@@ -70,13 +70,13 @@ pub enum SolverError {
         /// What the factorisation said.
         reason: String,
     },
-    /// Where contacts cannot be.
+    /// Where coloring anew in every frame cannot be.
     #[error(
-        "{relaxation} solves a matrix that contacts would change in every frame; take GaussSeidel for scenes with collisions"
+        "{why}, so it is not colored anew in every frame: its coloring stands as long as its constraints do"
     )]
-    NoContacts {
-        /// The relaxation.
-        relaxation: &'static str,
+    NoRecoloring {
+        /// What it is.
+        why: &'static str,
     },
     /// Detection refuses the surface, an obstacle or a position.
     #[error(transparent)]

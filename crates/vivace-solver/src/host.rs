@@ -3,10 +3,11 @@
 use std::fmt::Debug;
 
 use glam::{DMat3, Vec3};
+use vivace_collision::Detector;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
-use crate::contacts::{Change, ContactMemory, Found};
+use crate::contacts::{Change, ContactMemory, Found, SmallStep};
 use crate::engine::Engine;
 use crate::pbd::PositionBased;
 use crate::pd::ProjectiveDynamics;
@@ -20,10 +21,13 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
     /// See [`Engine::set_attachment_target`].
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
 
+    /// See [`Engine::set_attachments`].
+    fn set_attachments(&mut self, model: &Model);
+
     /// See [`Engine::prepare`].
     fn prepare(&mut self, h: f32) -> Result<(), SolverError>;
 
-    /// Takes the contacts of a step, after [`Solve::prepare`] and before [`Solve::begin`].
+    /// Takes the contacts of a small step, after [`Solve::prepare`] and before [`Solve::begin`].
     fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError>;
 
     /// See [`Engine::memory`].
@@ -40,13 +44,15 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
     fn begin(&mut self, h: f32, predicted: &[Vec3]);
 
     /// Writes the positions, in the model's order \[m\].
-    fn end(&self, positions: &mut [Vec3]);
+    fn end(&mut self, positions: &mut [Vec3]);
 }
 
 /// A framework, and what moves.
 #[derive(Debug)]
 pub(crate) struct Host {
     framework: Box<dyn Solve>,
+    /// Positions where contacts were looked for last.
+    start: Vec<Vec3>,
     /// Positions before the (small) step, predicted, and after it; velocities and accelerations.
     before: Vec<Vec3>,
     predicted: Vec<Vec3>,
@@ -55,15 +61,13 @@ pub(crate) struct Host {
     accelerations: Vec<Vec3>,
     /// Scratch of the wind: empty without one.
     drags: Vec<DMat3>,
-    /// Whether `after` has been found already.
-    is_guarded: bool,
 }
 
 /// The framework that `solver` asks for.
-fn framework(model: &Model, solver: &Solver) -> Result<Box<dyn Solve>, SolverError> {
+fn framework(model: &Model, solver: &Solver, colors: &[u32]) -> Result<Box<dyn Solve>, SolverError> {
     Ok(match solver.framework {
         Framework::ProjectiveDynamics { local, vertex } => {
-            Box::new(ProjectiveDynamics::new(model, local, vertex, solver.relaxation)?)
+            Box::new(ProjectiveDynamics::new(model, local, vertex, solver.relaxation, colors)?)
         }
         Framework::PositionBased => Box::new(PositionBased::new(model)?),
     })
@@ -74,17 +78,17 @@ impl Host {
     ///
     /// # Errors
     /// More constraints than 32 bits can number.
-    pub(crate) fn new(model: &Model, solver: &Solver) -> Result<Self, SolverError> {
+    pub(crate) fn new(model: &Model, solver: &Solver, colors: &[u32]) -> Result<Self, SolverError> {
         let zeros = || vec![Vec3::ZERO; model.n_particles()];
         Ok(Self {
-            framework: framework(model, solver)?,
+            framework: framework(model, solver, colors)?,
+            start: Vec::new(),
             before: zeros(),
             predicted: zeros(),
             after: zeros(),
             velocities: zeros(),
             accelerations: zeros(),
             drags: Vec::new(),
-            is_guarded: false,
         })
     }
 }
@@ -98,8 +102,26 @@ impl Engine for Host {
         self.framework.n_passes()
     }
 
-    fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError> {
-        self.framework = framework(model, solver)?;
+    fn set_solver(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        _: Option<&Detector>,
+    ) -> Result<(), SolverError> {
+        // Another model may have other particles.
+        *self = Self::new(model, solver, colors)?;
+        Ok(())
+    }
+
+    fn set_attachments(
+        &mut self,
+        model: &Model,
+        _: &Solver,
+        _: &[u32],
+        _: Option<&Detector>,
+    ) -> Result<(), SolverError> {
+        self.framework.set_attachments(model);
         Ok(())
     }
 
@@ -129,28 +151,47 @@ impl Engine for Host {
         }
     }
 
-    fn collide(
+    fn place(&mut self, pins: &[(u32, Vec3)]) {
+        pins.iter().for_each(|&(particle, at)| self.predicted[particle as usize] = at);
+    }
+
+    fn detect(
         &mut self,
-        model: &Model,
         collisions: &mut Collisions,
         h: f32,
         report: &mut ContactReport,
     ) -> Result<(), SolverError> {
-        collisions.detect(&self.before, &self.predicted, h, report)?;
-        let change = self.framework.set_contacts(&collisions.found(
-            model.masses(),
-            &self.before,
-            &self.predicted,
-            h,
-        ))?;
-        report.add(&change);
+        self.start.clone_from(&self.before);
+        collisions.detect(&self.before, &self.predicted, h, report)
+    }
+
+    fn take_contacts(
+        &mut self,
+        model: &Model,
+        collisions: &Collisions,
+        small: SmallStep,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let found = collisions.found(model.masses(), &self.before, &self.predicted, small);
+        report.add(&self.framework.set_contacts(&found)?);
         Ok(())
     }
 
-    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError> {
-        self.framework.end(&mut self.after);
-        collisions.limit(&self.before, &mut self.after, report)?;
-        self.is_guarded = true;
+    fn guard(
+        &mut self,
+        collisions: &mut Collisions,
+        forces: &Forces,
+        h: f32,
+        report: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        collisions.limit(&self.start, &mut self.after, report)?;
+        let scale = (-forces.damping * h).exp() / h;
+        for (i, velocity) in self.velocities.iter_mut().enumerate() {
+            if self.after[i] != self.before[i] {
+                *velocity = (self.after[i] - self.start[i]) * scale;
+            }
+        }
+        self.before.copy_from_slice(&self.after);
         Ok(())
     }
 
@@ -171,9 +212,7 @@ impl Engine for Host {
     }
 
     fn update_velocities(&mut self, forces: &Forces, h: f32) {
-        if !std::mem::take(&mut self.is_guarded) {
-            self.framework.end(&mut self.after);
-        }
+        self.framework.end(&mut self.after);
         let scale = (-forces.damping * h).exp() / h;
         for ((velocity, after), before) in self.velocities.iter_mut().zip(&self.after).zip(&self.before) {
             *velocity = (*after - *before) * scale;

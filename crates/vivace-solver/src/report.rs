@@ -33,9 +33,24 @@ pub struct StepReport {
     /// Contacts; all 0 without collisions.
     #[serde(default)]
     pub contacts: ContactReport,
+    /// What tore at the end, where a simulation looks after that; all 0 where nothing did.
+    #[serde(default)]
+    pub tears: TearReport,
 }
 
-/// What collisions did in a step. Counts are sums over its small steps; depths are those of the last.
+/// What tore. Counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TearReport {
+    /// Particles that have come to be.
+    pub copies: usize,
+    /// Corners of triangles that have a copy in place of what was there.
+    pub triangles: usize,
+    /// Springs between no triangles that broke.
+    pub springs: usize,
+}
+
+/// What collisions did in a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactReport {
@@ -68,19 +83,26 @@ impl ContactReport {
 /// Seconds spent in each phase of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseTimes {
-    /// Checks and copies; where the time step changed, parameters and factorization. (Graph and coloring are made with the system.)
+    /// Checks and copies; where the time step changed, parameters, factorization, [`Rho::Estimated`](crate::Rho::Estimated) \[s\]. (Graph
+    /// and coloring are made with the system.)
     pub setup: f64,
-    /// Outer forces and prediction.
+    /// Outer forces and prediction \[s\].
     pub predict: f64,
-    /// Iterations.
+    /// Iterations \[s\].
     pub solve: f64,
-    /// Detection of contacts, graph and coloring.
+    /// Detection of contacts \[s\].
     #[serde(default)]
     pub detect: f64,
-    /// The guard that lets nothing pass.
+    /// Contacts made constraints: graph and coloring \[s\].
+    #[serde(default)]
+    pub color: f64,
+    /// The guard that lets nothing pass \[s\].
     #[serde(default)]
     pub guard: f64,
-    /// Velocities, checks, and measures where they are asked for.
+    /// Looking for what tears, and making the system anew where something did \[s\].
+    #[serde(default)]
+    pub tear: f64,
+    /// Velocities, checks, and measures where they are asked for \[s\].
     pub finish: f64,
 }
 

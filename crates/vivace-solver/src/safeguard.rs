@@ -9,32 +9,52 @@ pub(crate) struct Safeguard {
     /// Lowest objective seen, and that of the positions that were kept last \[J\].
     lowest: f64,
     kept: f64,
-    looked_at: u32,
-    next_check: u32,
+    looks: Looks,
 }
 
-/// Iterations before the first check.
+/// Iterations before the first look.
 const FIRST: u32 = 8;
-/// Most iterations between two checks.
-const LONGEST: u32 = 16;
+/// Most iterations between two looks.
+pub(crate) const LONGEST: u32 = 16;
+
+/// When to look: after 8, 16, 32, 48, … iterations.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Looks {
+    last: u32,
+    next: u32,
+}
+
+impl Looks {
+    pub(crate) fn new() -> Self {
+        Self { last: 0, next: FIRST }
+    }
+
+    /// Whether it is time, after `k` iterations.
+    pub(crate) fn is_due(&self, k: u32) -> bool {
+        k >= self.next
+    }
+
+    pub(crate) fn look(&mut self, k: u32) {
+        *self = Self { last: k, next: k + k.clamp(1, LONGEST) };
+    }
+}
 
 impl Safeguard {
     /// At the start of a time step, before its first iteration.
     pub(crate) fn begin(stages: &mut dyn Stages) -> Self {
         stages.save();
         let objective = stages.objective();
-        Self { lowest: objective, kept: objective, looked_at: 0, next_check: FIRST }
+        Self { lowest: objective, kept: objective, looks: Looks::new() }
     }
 
     /// After iteration `k` (from 1): whether it is time to look.
     pub(crate) fn is_due(&self, k: u32) -> bool {
-        k >= self.next_check
+        self.looks.is_due(k)
     }
 
     /// Looks; returns whether the iterations since the last look were taken back.
     pub(crate) fn check(&mut self, k: u32, stages: &mut dyn Stages) -> bool {
-        self.looked_at = k;
-        self.next_check = k + k.clamp(1, LONGEST);
+        self.looks.look(k);
         let objective = stages.objective();
         if let Some(kept) = stages.objective_of_saved() {
             (self.lowest, self.kept) = (kept, kept);
@@ -53,7 +73,7 @@ impl Safeguard {
 
     /// Whether the last look was after iteration `k`.
     pub(crate) fn has_looked(&self, k: u32) -> bool {
-        self.looked_at == k
+        self.looks.last == k
     }
 
     /// The objective of the positions that were kept last \[J\].

@@ -1,6 +1,6 @@
 //! The verbs of a relaxation.
 
-use crate::Preconditioner;
+use crate::{Ease, Preconditioner, Relaxation, StepReport};
 
 /// See [`Stages::tolerated_rise`].
 pub(crate) const TOLERATED_RISE: f64 = 1e-4;
@@ -40,6 +40,9 @@ pub(crate) trait Stages {
     /// The linear system of the local step, exactly.
     fn solve_directly(&mut self);
 
+    /// Ends an iteration: projects contacts, where they are apart from the sweeps.
+    fn touch(&mut self) {}
+
     /// Keeps a copy of q to extrapolate from.
     fn remember(&mut self);
 
@@ -76,4 +79,29 @@ pub(crate) trait Stages {
 
     /// Brings back what [`Stages::save`] kept, and forgets the iterations since.
     fn restore(&mut self);
+
+    /// Where decisions are made where the positions are: a small step of `most` iterations begins, whose weights and what is kept of it are
+    /// found there, as the safeguard would. Whether it is so.
+    fn watch(&mut self, relaxation: Relaxation, most: u32, ease: Ease) -> bool {
+        let _ = (relaxation, most, ease);
+        false
+    }
+
+    /// After [`Stages::watch`]: iteration `k` begins, from 0.
+    fn turn(&mut self, k: u32) {
+        let _ = k;
+    }
+
+    /// After [`Stages::watch`]: time to look, after `k` iterations.
+    fn look(&mut self, k: u32, is_last: bool) {
+        let _ = (k, is_last);
+    }
+
+    /// What was decided there since it was last asked for.
+    fn learn(&mut self, ease: &mut Ease, report: &mut StepReport) {
+        let _ = (ease, report);
+    }
+
+    /// What was decided there does not count.
+    fn forget(&mut self) {}
 }

@@ -2,9 +2,10 @@
 
 use vivace_graph::ConstraintGraph;
 use vivace_kernels::coloring::{
-    AcceptColor, AcceptColorUniform, DegreeWeight, FirstFit, IsColored, LeaveNeighbors, LocalMaximum,
-    LocalMaximumUniform, NeighborHasColor, NeighborHasColorUniform, ProposeColor, ProposeColorUniform,
-    RandomWeight, RandomWeightUniform, SetValue, SetValueUniform, TakeColor, TakeColorUniform, UNCOLORED,
+    AcceptColor, AcceptColorUniform, ColorInstead, DegreeWeight, FirstFit, IsColored, LacksColor,
+    LacksColorUniform, LeaveNeighbors, LocalMaximum, LocalMaximumUniform, NeighborHasColor,
+    NeighborHasColorUniform, ProposeColor, ProposeColorUniform, RandomWeight, RandomWeightUniform, SetValue,
+    SetValueUniform, TakeColor, TakeColorUniform, UNCOLORED,
 };
 use vivace_kernels::{Backend, HostViews, Kernel, Select, pcg};
 use vivace_tests::generators::random;
@@ -267,4 +268,48 @@ pub(crate) fn ranges<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Er
     let mut left = left(backend, color, &[start, middle, none, small, selected])?;
     left.array.extend(fetched);
     Ok(left)
+}
+
+/// Vertices by color, some without; and what a run, a select and a row of lists make of such lists, which do not begin at 0.
+pub(crate) fn grouped<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Error> {
+    let colors: Vec<u32> = data.colors.iter().map(|&color| color % 67).collect();
+    let keys = backend.upload(&colors);
+    let (mut own, mut lists) = (sentinels(backend, data), Vec::new());
+    for n_keys in [1, 5, vivace_kernels::MOST_KEYS] {
+        let mut grouped = backend.group_by(&keys, n_keys);
+        for (value, list) in (0..).zip(&grouped) {
+            backend.map::<SetValue>(list, &SetValueUniform { value }, (), &mut own);
+        }
+        let selected = grouped.iter_mut().step_by(3);
+        lists.extend(selected.map(|list| backend.select::<Sample>(list, &data.key, (), &mut own)));
+        lists.extend(grouped);
+    }
+    left(backend, own, &lists)
+}
+
+pub(crate) fn lacks_color<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Error> {
+    let list = sample(backend, data);
+    let (colors, mut counters) = (backend.upload(&data.colors), backend.filled(1 + N_SENTINELS, SENTINEL));
+    let uniform = LacksColorUniform { n_colors: 60 };
+    backend.count_down::<LacksColor>(&list, &uniform, (backend.view(&colors),), &mut counters);
+    left(backend, counters, &[list])
+}
+
+pub(crate) fn color_instead<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Error> {
+    let (list, mut color) = (sample(backend, data), guarded(backend, &data.colors));
+    let [down, up] = [0, 1].map(|counter| backend.upload(&[counter]));
+    let [weights, vertices] = [&data.weights, &data.vertices].map(|instead| backend.upload(instead));
+    backend.map::<ColorInstead>(&list, &(), (backend.view(&down), backend.view(&weights)), &mut color);
+    backend.map::<ColorInstead>(&list, &(), (backend.view(&up), backend.view(&vertices)), &mut color);
+    left(backend, color, &[list])
+}
+
+/// All vertices alike, of which some have colors.
+pub(crate) fn accept_color_of_all<B: Backend>(backend: &B, data: &Data) -> Result<Left, B::Error> {
+    let (list, csr) = (sample(backend, data), Csr::new(backend, data));
+    let (proposal, mut color) = (backend.upload(&data.weights), guarded(backend, &data.colors));
+    let inputs = (backend.view(&csr.0), backend.view(&csr.1), backend.view(&proposal));
+    let uniform = AcceptColorUniform { key: data.key, rule: 0 };
+    backend.map::<AcceptColor>(&list, &uniform, inputs, &mut color);
+    left(backend, color, &[list])
 }

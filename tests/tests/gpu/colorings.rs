@@ -1,8 +1,9 @@
 //! Every coloring that runs in rounds: the same bits on the GPU as on the CPU.
 
-use vivace_coloring::{Algorithm, ColorOnError, ConflictRule, Vivace};
+use vivace_coloring::{Algorithm, ColorOnError, ConflictRule, GraphBuffers, Vivace, vivace_unseen};
 use vivace_cpu::Cpu;
 use vivace_graph::ConstraintGraph;
+use vivace_kernels::Backend;
 use vivace_tests::generators::{
     clique, complete_bipartite, empty, irregular_cloth, irregular_hinge_cloth, isolated, path, random,
     regular_cloth, regular_hinge_cloth, star, tets, wheel, with_contacts,
@@ -104,5 +105,33 @@ fn what_does_not_run_in_rounds_is_refused() {
         let error = algorithm.color_on(&Cpu::new(), &graph).unwrap_err();
         assert_eq!(error, ColorOnError::NotInRounds(algorithm));
         assert!(error.to_string().contains("Algorithm::color"), "{error}");
+    }
+}
+
+/// So many rounds, in which nobody looks, give the colors of those in which the host does: on every backend, whole where they suffice.
+#[test]
+fn rounds_that_nobody_sees_give_the_same_colors() {
+    fn unseen<B: Backend>(backend: &B, graph: &ConstraintGraph, options: &Vivace, n_rounds: u32) -> Vec<u32> {
+        let on_backend = GraphBuffers::upload(backend, graph);
+        let [mut proposal, mut color] = [(); 2].map(|()| backend.filled(graph.n_vertices(), 7));
+        let view = on_backend.view(backend);
+        vivace_unseen(backend, view, options, n_rounds, &mut proposal, &mut color);
+        backend.read(color).unwrap_or_else(|error| panic!("{error}"))
+    }
+    let gpu = gpu();
+    for k in 0..40 {
+        let graph = graph(k);
+        let options = Vivace { seed: u64::from(k), ..Vivace::DEFAULT };
+        let seen = in_rounds(&Cpu::new(), Algorithm::Vivace(options), &graph).unwrap();
+        let n_rounds = seen.count.rounds;
+        for more in [0, 3] {
+            assert_eq!(unseen(&gpu, &graph, &options, n_rounds + more), seen.colors, "graph {k}");
+            assert_eq!(unseen(&Cpu::new(), &graph, &options, n_rounds + more), seen.colors, "graph {k}");
+        }
+        if n_rounds > 1 {
+            let fewer = unseen(&gpu, &graph, &options, n_rounds - 1);
+            assert!(fewer.contains(&u32::MAX), "graph {k}");
+            assert!(fewer.iter().zip(&seen.colors).all(|(a, b)| a == b || *a == u32::MAX), "graph {k}");
+        }
     }
 }

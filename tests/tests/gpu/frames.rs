@@ -8,10 +8,13 @@ use vivace_cpu::Cpu;
 use vivace_gpu::{Footprint, Gpu, GpuError, wgpu};
 use vivace_kernels::Backend;
 use vivace_model::{Forces, State, Wind};
-use vivace_solver::{Budget, Relaxation, Solver, SolverError, StepReport, System};
+use vivace_solver::{
+    Budget, Ease, Framework, PinMove, Relaxation, Rho, Solver, SolverError, StepReport, System,
+};
 use vivace_tests::naive::Naive;
 use vivace_tests::scenes::{
-    Bodies, Kind, STEP, Scene, cloth, gauss_seidel, jitter, plain, projective_dynamics, relaxations,
+    Bodies, Kind, STEP, Scene, cloth, gauss_seidel, jitter, linear_relaxations, plain, projective_dynamics,
+    relaxations,
 };
 
 use crate::gpu;
@@ -22,7 +25,8 @@ fn solvers() -> Vec<Solver> {
     let relaxations: Vec<_> = relaxations().into_iter().filter(is_parallel).collect();
     let with =
         |framework| relaxations.iter().map(move |&relaxation| Solver { framework, ..plain(relaxation) });
-    projective_dynamics().into_iter().flat_map(with).collect()
+    let linear = linear_relaxations().into_iter().filter(|relaxation| *relaxation != Relaxation::Direct);
+    projective_dynamics().into_iter().flat_map(with).chain(linear.map(plain)).collect()
 }
 
 /// What acts, with wind or without.
@@ -102,6 +106,46 @@ fn mismatch(
     None
 }
 
+/// Particles on springs of their own and pinned ones, taken, led and let go.
+fn lead(mut system: System, mut state: State) -> State {
+    let budget = Budget::iterations(10);
+    for frame in 0..5 {
+        let mut model = system.model().clone();
+        match frame {
+            1 => {
+                model.pin(60).unwrap();
+                model.replace_attachments(0, &[(20, state.positions[20] + Vec3::Y * 0.1, 300.0)]).unwrap();
+                system.set_model(model).unwrap();
+            }
+            2 => system.replace_attachments(0, &[(21, Vec3::new(0.5, 0.2, 0.5), 200.0)]).unwrap(),
+            4 => {
+                model.unpin(60).unwrap();
+                system.set_model(model).unwrap();
+                system.replace_attachments(0, &[]).unwrap();
+            }
+            _ => {}
+        }
+        if (1..4).contains(&frame) {
+            let from = state.positions[60];
+            system.move_pins(&[PinMove { particle: 60, from, to: from + Vec3::Y * 0.01 }]).unwrap();
+        }
+        system.step(&mut state, &Forces::default(), STEP, budget).unwrap();
+    }
+    state
+}
+
+#[test]
+fn what_is_led_moves_as_on_the_cpu() {
+    for solver in solvers() {
+        let solver = Solver { substeps: 2, ..solver };
+        let (model, state) = cloth(8, 100.0, Some(1e-5));
+        let on_gpu = lead(System::on(model.clone(), solver, gpu()).unwrap(), state.clone());
+        let on_host = lead(System::new(model, solver).unwrap(), state);
+        let apart = distance(&on_gpu, &on_host);
+        assert!(apart < 2e-4, "{apart} m from the engine on the CPU by {solver:?}");
+    }
+}
+
 #[test]
 fn every_relaxation_moves_every_kind_as_on_the_cpu() {
     for bodies in Kind::alone_and_together() {
@@ -134,6 +178,81 @@ fn larger_cloth_moves_as_on_the_cpu() {
             let solver = Solver { safeguard: true, substeps: 3, ..solver };
             assert_eq!(mismatch(&mut system, &scene, solver, is_windy, true), None, "{solver:?}");
         }
+    }
+}
+
+/// Frames of a cloth that is thrown about, by iterations alone or with a host that looks after each.
+fn guarded(system: &mut System, scene: &Scene, solver: Solver, is_seen: bool) -> (State, Ease, u32) {
+    system.set_solver(solver).unwrap();
+    let (mut state, mut n_backoffs) = (scene.1.clone(), 0);
+    for iterations in [3, 12, 40, 40, 9, 20] {
+        let budget = Budget::iterations(iterations);
+        let budget = if is_seen { budget.and_tolerance(0.0) } else { budget };
+        let report = system.step(&mut state, &Forces::default(), STEP, budget).unwrap();
+        n_backoffs += report.backoffs;
+        assert!(report.iterations == iterations || is_seen && report.last_move == Some(0.0));
+    }
+    (state, system.ease(), n_backoffs)
+}
+
+/// The safeguard decides on the device what it decides where the host looks: the same positions, bit for bit, and as many steps back.
+#[test]
+fn the_safeguard_decides_alike_wherever_it_is() {
+    let mut scene = cloth(14, 100.0, Some(1e-4));
+    jitter(&scene.0, &mut scene.1, 0.02, 3);
+    let mut all = Vec::new();
+    let frameworks = projective_dynamics().into_iter().chain([Framework::PositionBased]);
+    for framework in frameworks {
+        for relaxation in relaxations().into_iter().chain([
+            gauss_seidel(1.97),
+            Relaxation::Chebyshev { rho: Rho::Given(0.9999), gamma: 1.0, delay: 0 },
+            Relaxation::ChebyshevGaussSeidel { rho: Rho::Given(0.9999), delay: 0 },
+        ]) {
+            let is_serial = matches!(relaxation, Relaxation::Lexicographic { .. });
+            if !is_serial {
+                all.push(Solver { framework, relaxation, substeps: 1, safeguard: true });
+            }
+        }
+    }
+    let mut n_backoffs = 0;
+    let (mut there, model) = (on_gpu(&scene), scene.0.clone());
+    let mut here = System::on(model, plain(gauss_seidel(1.0)), Cpu::new()).unwrap();
+    for solver in all {
+        for system in [&mut here, &mut there] {
+            let [seen, unseen] = [true, false].map(|is_seen| guarded(system, &scene, solver, is_seen));
+            assert_eq!(unseen, seen, "{solver:?}");
+            n_backoffs += seen.2;
+        }
+    }
+    assert!(n_backoffs > 20, "{n_backoffs} are too few to see");
+}
+
+/// What the safeguard has learned goes with a simulation: from a host that looks to one that does not, by small steps, and into another.
+#[test]
+fn what_the_safeguard_knows_is_passed_on() {
+    let mut scene = cloth(10, 100.0, Some(1e-4));
+    jitter(&scene.0, &mut scene.1, 0.02, 3);
+    let relaxation = Relaxation::ChebyshevGaussSeidel { rho: Rho::Given(0.9999), delay: 0 };
+    let solver = Solver { relaxation, substeps: 2, ..Solver::default() };
+    let played = |backend_changes: [bool; 6]| {
+        let new = || System::on(scene.0.clone(), solver, Cpu::new()).unwrap();
+        let (mut system, mut state) = (new(), scene.1.clone());
+        for (frame, is_seen) in (0..).zip(backend_changes) {
+            if frame == 3 {
+                let ease = system.ease();
+                system = new();
+                system.set_ease(ease);
+            }
+            let budget = Budget::iterations(25);
+            let budget = if is_seen { budget.and_tolerance(0.0) } else { budget };
+            system.step(&mut state, &Forces::default(), STEP, budget).unwrap();
+        }
+        (state, system.ease())
+    };
+    let expected = played([true; 6]);
+    assert_ne!(expected.1, Ease::default());
+    for k in 0..4 {
+        assert_eq!(played([0, 1, 2, 3, 4, 5].map(|frame| frame % 4 == k || frame == 2 * k)), expected, "{k}");
     }
 }
 
@@ -194,8 +313,9 @@ fn later_frames_allocate_nothing() {
     let scene = Bodies { cloth: 7, bar: [3, 1, 1], ..Bodies::default() }.build();
     for solver in solvers() {
         let solver = Solver { safeguard: true, substeps: 2, ..solver };
-        let budget = Budget::tolerance(0.0).and_iterations(12);
-        assert_eq!(n_dispatches(&scene, solver, budget).1, 0, "{solver:?}");
+        for budget in [Budget::iterations(12), Budget::tolerance(0.0).and_iterations(12)] {
+            assert_eq!(n_dispatches(&scene, solver, budget).1, 0, "{solver:?}");
+        }
     }
 }
 

@@ -68,11 +68,15 @@ macro_rules! conform {
 
 conform!(
     accept_color,
+    accept_color_of_all,
+    color_instead,
     degree_weight,
     filled,
     first_fit,
     first_fit_in_order,
+    grouped,
     is_colored,
+    lacks_color,
     leave_neighbors,
     local_maximum,
     neighbor_has_color,

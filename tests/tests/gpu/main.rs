@@ -10,6 +10,7 @@ mod kinds;
 mod position_based;
 mod profile;
 mod read_back;
+mod recoloring;
 mod sweep;
 mod vertices;
 

@@ -6,7 +6,7 @@ use vivace_gpu::Gpu;
 use vivace_kernels::Backend;
 use vivace_kernels::pbd::{Inertia, Residual, StepUniform};
 use vivace_model::{Forces, Wind};
-use vivace_solver::{Budget, Framework, Relaxation, Solver, SolverError, StepReport, System};
+use vivace_solver::{Budget, Framework, Relaxation, Rho, Solver, SolverError, StepReport, System};
 use vivace_tests::naive::Naive;
 use vivace_tests::random::Random;
 use vivace_tests::scenes::{Bodies, Kind, STEP, Scene, gauss_seidel, jitter, plain, relaxations};
@@ -113,7 +113,9 @@ fn wind_is_that_of_the_host() {
 #[test]
 fn what_looks_on_the_way_sees_the_same() {
     let scene = scene(&Bodies::default());
-    for relaxation in [gauss_seidel(1.9), Relaxation::Chebyshev { rho: 0.99, gamma: 0.9, delay: 0 }] {
+    for relaxation in
+        [gauss_seidel(1.9), Relaxation::Chebyshev { rho: Rho::Given(0.99), gamma: 0.9, delay: 0 }]
+    {
         let solver = Solver { substeps: 3, safeguard: true, ..solver(relaxation) };
         let budget = Budget { tolerance: Some(1e-4), ..Budget::iterations(60) };
         let host = System::new(scene.0.clone(), solver).expect("a solver");

@@ -29,13 +29,12 @@ fn each_copy_holds_what_its_array_held() {
 }
 
 #[test]
-fn the_host_goes_on_until_a_copy_arrives() {
+fn a_copy_that_is_asked_for_again_and_again_arrives() {
     let gpu = gpu();
     let mut array = gpu.filled(1 << 20, 0_u32);
     let all = gpu.all(array.len());
     (0..1000).for_each(|value| gpu.map::<SetValue>(&all, &SetValueUniform { value }, (), &mut array));
     let mut copy = gpu.read_back(&array).unwrap();
-    assert_eq!(copy.try_read().unwrap(), None, "a thousand dispatches take longer than to ask");
     let elements = loop {
         if let Some(elements) = copy.try_read().unwrap() {
             break elements;
@@ -46,17 +45,17 @@ fn the_host_goes_on_until_a_copy_arrives() {
     assert_eq!(copy.try_read().unwrap(), Some(elements), "they stay");
 }
 
-/// Waiting for one copy does not wait for what comes after it.
+/// What comes after a copy does not show in it, whichever is waited for first.
 #[test]
-fn a_copy_waits_for_what_was_before_it_alone() {
+fn a_copy_holds_what_was_before_it_alone() {
     let gpu = gpu();
     let mut array = gpu.filled(1 << 20, 7_u32);
     let first = gpu.read_back(&array).unwrap();
     let all = gpu.all(array.len());
     (0..1000).for_each(|value| gpu.map::<SetValue>(&all, &SetValueUniform { value }, (), &mut array));
-    let mut last = gpu.read_back(&array).unwrap();
-    assert_eq!(first.wait().unwrap(), vec![7; 1 << 20]);
-    assert_eq!(last.try_read().unwrap(), None);
+    let last = gpu.read_back(&array).unwrap();
+    let [first, last] = [first, last].map(|copy| copy.wait().unwrap());
+    assert!(first.iter().all(|&element| element == 7) && last.iter().all(|&element| element == 999));
 }
 
 #[test]
@@ -80,7 +79,7 @@ fn a_copy_of_nothing_is_there_at_once() {
     let mut copy = gpu.read_back(&gpu.filled(0, 0_u32)).unwrap();
     assert!(copy.is_empty());
     assert_eq!(copy.try_read().unwrap(), Some(Vec::new()));
-    assert_eq!(copy.wait().unwrap(), Vec::new());
+    assert_eq!(copy.wait().unwrap(), Vec::<u32>::new());
 }
 
 #[test]

@@ -4,15 +4,22 @@ use bytemuck::Pod;
 use glam::{Vec3, Vec4};
 use vivace_cpu::Cpu;
 use vivace_gpu::Gpu;
+use vivace_kernels::constraint::Xpbd;
+use vivace_kernels::linear::{
+    AddScaled, AddScaledUniform, Divide, Dot, FindScalars, FindScalarsUniform, Multiply, Scalars, SumPairs,
+    Sweep, SweepUniform, Turn,
+};
 use vivace_kernels::pd::{
     Anchor, FusedResidual, LinearResidual, MoveByBlock, MoveByDiagonal, Omega, RelaxFused, RelaxLinear, Row,
     RowEnergy, SLICE, SpringBlock, SpringPull, SpringTap, Tap,
 };
 use vivace_kernels::step::{
-    Blow, BlowUniform, CopyVector, Extrapolate, ExtrapolateUniform, Predict, PredictUniform, SetVector,
-    SetVectorUniform, SquaredDistance, SquaredLength, Sum, SumUniform, UpdateVelocity, UpdateVelocityUniform,
+    Blow, BlowUniform, CopyVector, CopyVectorWhere, CopyVectorWhereUniform, Decide, DecideUniform,
+    Extrapolate, ExtrapolateUniform, PickWeight, PickWeightUniform, Place, Predict, PredictUniform,
+    SetVector, SetVectorUniform, SquaredDistance, SquaredLength, Sum, SumUniform, UpdateVelocity,
+    UpdateVelocityUniform, Watch, Weight,
 };
-use vivace_kernels::{Backend, HostViews, Kernel, Map, View, pd, step};
+use vivace_kernels::{Backend, HostViews, Kernel, Map, PARAMS_BYTES, Params, View, linear, pd, step};
 use vivace_tests::naive::Naive;
 use vivace_tests::random::Random;
 
@@ -33,6 +40,9 @@ struct Data {
     numbers: Vec<f32>,
     offsets: Vec<u32>,
     corners: Vec<[u32; 3]>,
+    watches: Vec<Watch>,
+    scalars: Vec<Scalars>,
+    pairs: Vec<[Vec4; 2]>,
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "any number will do")]
@@ -69,8 +79,27 @@ impl Data {
         };
         let mut random = Random::new(9);
         let triangle = |_| [(); 3].map(|()| random.below(n + N_FIXED));
+        // Bounds on either side of a sum of a few hundred numbers around 0, levels at both ends, steps that are quiet for long.
+        let mut any = Random::new(6);
+        let mut watch = |_| Watch {
+            lowest: 40.0 * any_number(&mut any) - 20.0,
+            kept: any_number(&mut any),
+            level: any.below(6),
+            quiet_steps: any.below(8),
+            began_at: any.below(5),
+            n_backoffs: any.below(9),
+            has_backed_off: any.below(2),
+            is_back: any.below(2),
+        };
+        let watches = (0..n_all).map(&mut watch).collect();
+        let scalar = |v: &Vec4| Scalars { rho: *v, enough: *v * 99.0, alpha: *v * 0.5, beta: *v * 2.0 };
+        let scalars = vectors.iter().map(scalar).collect();
+        let pairs = vectors.iter().map(|&v| [v, v * v]).collect();
         Self {
             n,
+            watches,
+            scalars,
+            pairs,
             rows,
             taps: (0..n_taps).map(tap).collect(),
             springs: (0..n_taps).map(spring).collect(),
@@ -95,6 +124,11 @@ struct On<'a, B: Backend> {
     numbers: B::Buffer<f32>,
     offsets: B::Buffer<u32>,
     corners: B::Buffer<[u32; 3]>,
+    watch: B::Buffer<Watch>,
+    scalars: B::Buffer<Scalars>,
+    pairs: B::Buffer<[Vec4; 2]>,
+    weights: B::Buffer<ExtrapolateUniform>,
+    numbers_len: usize,
 }
 
 impl<'a, B: Backend> On<'a, B> {
@@ -113,6 +147,11 @@ impl<'a, B: Backend> On<'a, B> {
             numbers: backend.upload(&data.numbers),
             offsets: backend.upload(&data.offsets),
             corners: backend.upload(&data.corners),
+            watch: backend.upload(&[Watch { level: 1, began_at: 2, is_back: 1, ..Watch::default() }]),
+            scalars: backend.upload(&data.scalars),
+            pairs: backend.upload(&data.pairs),
+            weights: backend.upload(&[1.0, 0.7].map(|omega| [ExtrapolateUniform { omega }; 64]).concat()),
+            numbers_len: data.numbers.len(),
             backend,
         }
     }
@@ -131,6 +170,18 @@ fn written<B: Backend, T: Pod + Send + Sync>(
     let mut output = on.backend.upload(before);
     run(&mut output);
     Ok(bytemuck::cast_slice(&on.backend.read(output)?).to_vec())
+}
+
+/// Weights of iterations picked from a table of three levels.
+fn pick<B: Backend, U: Weight>(on: &On<'_, B>) -> Result<(&'static str, Vec<f32>), B::Error> {
+    let backend = on.backend;
+    let numbers: Vec<f32> = (0_u8..42).map(f32::from).collect();
+    let table = backend.upload(bytemuck::cast_slice::<f32, U>(&numbers));
+    let before = vec![U::zeroed(); on.numbers_len];
+    let uniform = PickWeightUniform { k: 4, stride: 50, n: 7 };
+    let inputs = (backend.view(&on.watch), backend.view(&table));
+    let left = written(on, &before, |own| backend.map::<PickWeight<U>>(&on.list, &uniform, inputs, own))?;
+    Ok((PickWeight::<U>::NAME, left))
 }
 
 /// The names of the kernels, and what each of them leaves.
@@ -165,12 +216,44 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
         skin: 0.1,
         padding: [0; 3],
     };
+    let decide = DecideUniform {
+        n_sums: data.n.min(step::BLOCK),
+        k: 8,
+        is_last: 1,
+        tolerated_rise: 1e-4,
+        most: 4,
+        recovery: 6,
+    };
+    let find = FindScalarsUniform { stage: 0, n_sums: data.n.min(step::BLOCK), squared_tolerance: 1.0 };
+    let (scalars, pairs) = (backend.view(&on.scalars), backend.view(&on.pairs));
     let n_sums = data.n.div_ceil(step::BLOCK);
     let sum = SumUniform { first: 3, n_sums, n_numbers: data.n };
     let sums = backend.range(3..3 + n_sums);
     Ok(vec![
         map!(Anchor, &(), (a, b), vectors),
         map!(FusedResidual, &(), (rows, taps, pulls, b, a), vectors),
+        map!(AddScaled, &AddScaledUniform { factor: -1.0, by_alpha: 1 }, (scalars, a), vectors),
+        map!(AddScaled, &AddScaledUniform { factor: 1.0, by_alpha: 0 }, (scalars, a), vectors),
+        map!(Divide, &(), (rows, a), vectors),
+        map!(FindScalars, &FindScalarsUniform { stage: 0, ..find }, (pairs,), &data.scalars),
+        map!(FindScalars, &FindScalarsUniform { stage: 1, ..find }, (pairs,), &data.scalars),
+        map!(FindScalars, &FindScalarsUniform { stage: 2, ..find }, (pairs,), &data.scalars),
+        map!(Multiply, &(), (rows, taps, b, a), vectors),
+        map!(Turn, &(), (scalars, a), vectors),
+        (Sweep::NAME, {
+            // Members of a color, whose neighbors are others.
+            let run = |own: &mut B::Buffer<Vec4>| {
+                for is_backward in [0, 1] {
+                    backend.update::<Sweep>(list, &SweepUniform { is_backward }, (rows, taps, a), own);
+                }
+            };
+            written(&on, vectors, run)?
+        }),
+        (Dot::NAME, written(&on, &data.pairs, |own| backend.map::<Dot>(&sums, &sum, (a, b, c), own))?),
+        (
+            SumPairs::NAME,
+            written(&on, &data.pairs, |own| backend.map::<SumPairs>(&sums, &sum, (pairs,), own))?,
+        ),
         map!(LinearResidual, &(), (rows, taps, b, c, a), vectors),
         map!(MoveByBlock, &omega, (rows, a, backend.view(&on.blocks)), vectors),
         map!(MoveByDiagonal, &omega, (rows, a), vectors),
@@ -181,7 +264,23 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
         map!(SpringPull, &(), (rows, taps, pulls, a), vectors),
         map!(Blow, &blow, (backend.view(&on.offsets), backend.view(&on.corners), a, b), vectors),
         map!(CopyVector, &(), (a,), vectors),
+        map!(CopyVectorWhere, &CopyVectorWhereUniform { is_back: 0 }, (backend.view(&on.watch), a), vectors),
+        map!(CopyVectorWhere, &CopyVectorWhereUniform { is_back: 1 }, (backend.view(&on.watch), a), vectors),
+        map!(Decide, &decide, (backend.view(&on.numbers),), &data.watches),
+        map!(Decide, &DecideUniform { k: 0, ..decide }, (backend.view(&on.numbers),), &data.watches),
+        map!(Decide, &DecideUniform { is_last: 0, ..decide }, (backend.view(&on.numbers),), &data.watches),
         map!(Extrapolate, &ExtrapolateUniform { omega: 1.3 }, (a,), vectors),
+        (Place::NAME, written(&on, vectors, |own| backend.update::<Place>(list, &(), (a,), own))?),
+        (
+            Extrapolate::NAME,
+            written(&on, vectors, |own| {
+                let found = Params::Found(&on.weights, PARAMS_BYTES / size_of::<ExtrapolateUniform>());
+                backend.map::<Extrapolate>(list, found, (a,), own);
+            })?,
+        ),
+        pick::<B, Omega>(&on)?,
+        pick::<B, ExtrapolateUniform>(&on)?,
+        pick::<B, Xpbd>(&on)?,
         map!(Predict, &PredictUniform { h: 0.03 }, (a, b, c), vectors),
         map!(SetVector, &SetVectorUniform { value: Vec4::new(1.0, 2.0, 3.0, 4.0) }, (), vectors),
         map!(SquaredDistance, &(), (a, b), &data.numbers),
@@ -228,7 +327,7 @@ fn every_kernel_leaves_what_it_leaves_on_the_cpu() {
         }
         names = on_gpu.into_iter().map(|(name, _)| name).collect();
     }
-    for shader in pd::SHADERS.iter().chain(&step::SHADERS) {
+    for shader in pd::SHADERS.iter().chain(&linear::SHADERS).chain(&step::SHADERS) {
         assert!(names.contains(&shader.name), "{}", shader.name);
     }
 }

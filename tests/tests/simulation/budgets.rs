@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::Vec3;
 use vivace_model::{Forces, ModelError, State};
 use vivace_solver::{
-    Base, Budget, Ease, Framework, Relaxation, Solver, SolverError, StepReport, Stop, System,
+    Base, Budget, Ease, Framework, Relaxation, Rho, Solver, SolverError, StepReport, Stop, System,
 };
 use vivace_tests::scenes::{
     STEP, Scene, cloth, free_cloth, gauss_seidel, jitter, plain, projective_dynamics, solvers,
@@ -97,7 +97,7 @@ fn farthest(k: f32, solver: Solver, iterations: u32) -> f32 {
 }
 
 fn accelerated() -> [Relaxation; 2] {
-    [gauss_seidel(1.9), Relaxation::Chebyshev { rho: 0.999, gamma: 2.0 / 3.0, delay: 0 }]
+    [gauss_seidel(1.9), Relaxation::Chebyshev { rho: Rho::Given(0.999), gamma: 2.0 / 3.0, delay: 0 }]
 }
 
 /// Energy cannot come from nowhere: in free fall for 3 s a particle gets 45 m far.
@@ -282,7 +282,7 @@ fn parameters_out_of_range_are_refused() {
         assert!(matches!(bad(plain(gauss_seidel(omega))), SolverError::Setting { .. }), "{omega}");
     }
     for rho in [-0.1, 1.0, f32::NAN] {
-        let relaxation = Relaxation::SymmetricChebyshev { rho };
+        let relaxation = Relaxation::SymmetricChebyshev { rho: Rho::Given(rho) };
         assert!(matches!(bad(plain(relaxation)), SolverError::Setting { .. }), "{rho}");
     }
     for substeps in [0, 10_001] {

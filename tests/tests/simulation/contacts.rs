@@ -100,9 +100,8 @@ fn a_cloth_at_rest_on_a_sphere_stays_at_rest() {
 }
 
 #[test]
-fn projections_keep_the_momentum_of_colliding_bodies() {
-    // Sweeps over vertices keep it only once they have converged.
-    for framework in [Framework::PositionBased] {
+fn colliding_bodies_keep_their_momentum() {
+    for framework in frameworks() {
         for friction in [0.0, 0.5] {
             let up = Pose { rotation: Quat::from_rotation_x(0.3), ..Pose::at(Vec3::new(0.05, 0.06, 0.03)) };
             let (model, mut state) = cloths(9, &[Pose::IDENTITY, up]);
@@ -130,22 +129,24 @@ fn projections_keep_the_momentum_of_colliding_bodies() {
             );
             println!("{framework:?} {friction}: {off}, {passed} of {before}, {seen:?}");
             assert!(seen.contacts > 100 && passed.y < 0.2 * before.y, "{framework:?}: nothing collided");
-            assert!(off < 1e-4, "{framework:?}, friction {friction}: {off}");
+            // What the guard holds back of unconverged sweeps it takes from one side alone.
+            let is_guarded = framework != Framework::PositionBased && seen.held_back > 0;
+            let most = if is_guarded { 0.02 } else { 1e-4 };
+            assert!(off < most, "{framework:?}, friction {friction}: {off}");
             assert_clean(&model, &state, &[], "after the collision");
         }
     }
 }
 
 /// A small cloth on a slope of `degrees`, under friction 0.5 = tan 26.6°: how far it is down the slope after a second \[m\].
-fn slid(framework: Framework, degrees: f32) -> f32 {
+fn slid(solver: Solver, iterations: u32, degrees: f32) -> f32 {
     let scene = cloths(4, &[Pose::at(Vec3::new(0.0, 0.0101, 0.0))]);
-    let solver = Solver { framework, ..Solver::default() };
     let mut system = system(&scene, solver, options(0.0), &[floor(0.0, 0.5)]);
     let (mut state, turn) = (scene.1.clone(), degrees.to_radians());
     let gravity = 9.81 * Vec3::new(turn.sin(), -turn.cos(), 0.0);
     let forces = Forces { gravity, ..NO_FORCE };
     for _ in 0..60 {
-        system.step(&mut state, &forces, H, Budget::iterations(40)).unwrap();
+        system.step(&mut state, &forces, H, Budget::iterations(iterations)).unwrap();
     }
     let mean = |q: &[Vec3]| q.iter().map(|q| q.x).sum::<f32>() / q.len() as f32;
     mean(&state.positions) - mean(&scene.1.positions)
@@ -153,13 +154,18 @@ fn slid(framework: Framework, degrees: f32) -> f32 {
 
 #[test]
 fn friction_holds_below_the_cone_and_slides_above_it() {
-    for framework in frameworks() {
-        let held = slid(framework, 24.0);
-        let (angle, free) = (30.0_f32.to_radians(), slid(framework, 30.0));
+    // In one step of many iterations; by default also of so few that friction is what the depth at the start says.
+    let few = (4, Framework::default());
+    for (iterations, framework) in frameworks().map(|framework| (40, framework)).into_iter().chain([few]) {
+        let solver = Solver { framework, ..Solver::default() };
+        let held = slid(solver, iterations, 24.0);
+        let (angle, free) = (30.0_f32.to_radians(), slid(solver, iterations, 30.0));
         let expected = 0.5 * 9.81 * (angle.sin() - 0.5 * angle.cos());
-        println!("{framework:?}: {held} m at 24°, {free} m of {expected} at 30°");
-        assert!(held.abs() < 0.005, "{framework:?}: slides by {held} m below the cone");
-        assert!((free / expected - 1.0).abs() < 0.1, "{framework:?}: slides by {free} m, not {expected}");
+        let what = format!("{framework:?}, {iterations} iterations");
+        println!("{what}: {held} m at 24°, {free} m of {expected} at 30°");
+        let (still, off) = if iterations == 40 { (0.005, 0.1) } else { (0.02, 0.3) };
+        assert!(held.abs() < still, "{what}: slides by {held} m below the cone");
+        assert!((free / expected - 1.0).abs() < off, "{what}: slides by {free} m, not {expected}");
     }
 }
 
@@ -198,6 +204,39 @@ fn nothing_passes_through() {
             assert_eq!(report.contacts.left_out, 0);
             assert_clean(&scene.0, &state, &obstacles, &format!("drop {k}, frame {frame}, {framework:?}"));
         }
+    }
+}
+
+/// Contacts found once for sixteen small steps: a cloth that is draped over a sphere and folds on the floor is clean, hardly stretched,
+/// and comes to rest.
+#[test]
+fn small_steps_drape_a_cloth() {
+    let scene = cloths(25, &[Pose::at(Vec3::new(0.0, 0.4, 0.0))]);
+    let obstacles = [sphere(0.25, 0.3), floor(-0.3, 0.3)];
+    for framework in [Framework::FUSED, Framework::PositionBased] {
+        let solver = Solver { framework, substeps: 16, ..plain(gauss_seidel(1.0)) };
+        let mut system = system(&scene, solver, options(0.3), &obstacles);
+        let mut state = scene.1.clone();
+        let forces = Forces { damping: 1.0, ..Forces::default() };
+        for frame in 0..180 {
+            let report = system.step(&mut state, &forces, H, Budget::iterations(16)).unwrap();
+            assert_eq!(report.iterations, 16);
+            if frame % 10 == 9 {
+                assert_clean(&scene.0, &state, &obstacles, &format!("frame {frame}, {framework:?}"));
+            }
+        }
+        let springs = &scene.0.constraints().springs;
+        let length = |q: &[Vec3]| {
+            springs
+                .particles
+                .iter()
+                .map(|pair| q[pair[0] as usize].distance(q[pair[1] as usize]))
+                .sum::<f32>()
+        };
+        let stretch = length(&state.positions) / length(&scene.1.positions) - 1.0;
+        println!("{framework:?}: {stretch}, {} m/s", fastest(&state));
+        assert!(stretch.abs() < 0.05, "{framework:?}: {stretch}");
+        assert!(fastest(&state) < 0.5, "{framework:?}: {} m/s", fastest(&state));
     }
 }
 
@@ -318,18 +357,9 @@ fn a_scene_without_contacts_is_as_it_was() {
 }
 
 #[test]
-fn what_has_no_contacts_says_so_and_changes_nothing() {
+fn an_obstacle_that_cannot_be_is_refused_and_changes_nothing() {
     let scene = cloths(4, &[Pose::IDENTITY]);
-    let collisions = || Collisions::new(&scene.0, &scene.1.positions, options(0.0)).unwrap();
-    let direct = Solver { relaxation: Relaxation::Direct, ..Solver::default() };
-    let mut system = System::new(scene.0.clone(), direct).unwrap();
-    assert!(matches!(system.set_collisions(Some(collisions())), Err(SolverError::NoContacts { .. })));
-    assert!(system.collisions().is_none());
-    system.set_solver(Solver::default()).unwrap();
-    system.set_collisions(Some(collisions())).unwrap();
-    assert!(matches!(system.set_solver(direct), Err(SolverError::NoContacts { .. })));
-    assert_eq!(system.solver(), Solver::default());
-    // An obstacle that cannot be: the state stays.
+    let mut system = system(&scene, Solver::default(), options(0.0), &[]);
     system.collisions_mut().unwrap().obstacles_mut().push(sphere(-1.0, 0.0));
     let mut state = scene.1.clone();
     let error = system.step(&mut state, &Forces::default(), H, Budget::iterations(5)).unwrap_err();

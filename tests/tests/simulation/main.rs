@@ -10,11 +10,15 @@ mod conservation;
 mod contacts;
 mod convergence;
 mod determinism;
+mod dragging;
+mod estimate;
 mod extremes;
+mod heap;
 mod linear;
 mod on_device;
 mod pays_for_what_it_holds;
 mod symmetry;
+mod tearing;
 mod verification;
 mod wind;
 

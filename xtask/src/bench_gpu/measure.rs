@@ -1,8 +1,9 @@
 //! The runs.
 
+use std::collections::HashSet;
 use std::time::Instant;
 
-use vivace_coloring::{Algorithm, Certificate, ColorOnError, GraphView};
+use vivace_coloring::{Algorithm, Certificate, ColorOnError, GraphBuffers, GraphView, Vivace, vivace_unseen};
 use vivace_gpu::{Gpu, Grids};
 use vivace_kernels::Backend;
 use vivace_kernels::coloring::{IsColored, SetValue, SetValueUniform, UNCOLORED};
@@ -28,7 +29,7 @@ pub(super) const GRAPHS: [&str; 10] = [
 
 const GRIDS: [Grids; 2] = [Grids::Indirect, Grids::Bounds];
 
-fn name(grids: Grids) -> &'static str {
+pub(super) fn name(grids: Grids) -> &'static str {
     match grids {
         Grids::Indirect => "indirect",
         Grids::Bounds => "bounds",
@@ -176,5 +177,54 @@ pub(super) fn colorings(options: &Options, workload: &Workload, table: &mut Tabl
             ]);
         }
     }
+    unseen(options, workload, table)
+}
+
+/// Rounds of a coloring that nobody looks at, as in frames that are colored anew.
+const N_UNSEEN: u32 = 20;
+
+/// Adds a row for the paper's coloring in rounds that nobody looks at.
+fn unseen(options: &Options, workload: &Workload, table: &mut Table) -> Result<(), BenchError> {
+    let (gpu, graph) = (Gpu::new()?, workload.shared());
+    let n = graph.n_vertices();
+    let on_device = GraphBuffers::upload(&gpu, graph);
+    let (mut proposal, mut color) = (gpu.filled(n, 0), gpu.filled(n, 0));
+    let (mut times, mut copied, mut n_colors) = (Vec::new(), Vec::new(), Vec::new());
+    let mut dispatches = 0;
+    for idx in 0..=u64::from(options.runs) {
+        let vivace = Vivace { seed: options.seed + idx, ..Vivace::DEFAULT };
+        let before = gpu.n_dispatches();
+        let start = Instant::now();
+        vivace_unseen(&gpu, on_device.view(&gpu), &vivace, N_UNSEEN, &mut proposal, &mut color);
+        gpu.wait()?;
+        let resident = ms(start);
+        dispatches = gpu.n_dispatches() - before;
+        let colors = gpu.read_back(&color)?.wait()?;
+        if idx > 0 {
+            times.push(resident);
+            copied.push(ms(start));
+        }
+        Certificate::check(graph, &colors)
+            .map_err(|violation| FigureError::Coloring { method: "vivace, unseen".to_owned(), violation })?;
+        n_colors.push(colors.into_iter().collect::<HashSet<u32>>().len() as f64);
+    }
+    let [times, copied, n_colors] = [times, copied, n_colors].map(sorted);
+    table.push(vec![
+        workload.name.into(),
+        n.into(),
+        graph.n_edges().into(),
+        "vivace, unseen".into(),
+        "ranges".into(),
+        options.runs.into(),
+        quantile(&times, 0.5).into(),
+        quantile(&times, 0.0).into(),
+        quantile(&copied, 0.5).into(),
+        N_UNSEEN.into(),
+        quantile(&n_colors, 0.5).into(),
+        (dispatches as f64).into(),
+        0_u32.into(),
+        (quantile(&times, 0.5) * 1e3 / dispatches as f64).into(),
+        (gpu.allocated() as f64).into(),
+    ]);
     Ok(())
 }

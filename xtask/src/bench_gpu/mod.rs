@@ -10,10 +10,14 @@
 //! device's own clock, if it has one, while each dispatch has a pass of its own: `work`, `kernel`, `dispatches`, `us_per_dispatch`
 //! (mean), `ms` (all of them), `share_of_time` (of all kernels of the work), `gb_per_s` (the bytes that a profile counts, see
 //! [`vivace_gpu::KernelTime::bytes`], over time), `share_of_copy` (that over the best copy's rate; above 1 where caches help, and
-//! where a list is much shorter than it could be). `frames.csv`, a row for each size of a cloth of springs, fused sweeps of Projective
-//! Dynamics: `constraints`, `particles`, `colors`, `bytes` (as known before the device is asked), `ms` (median of a frame, positions
-//! and velocities read back), `ms_min`, `kernels_ms` (of all kernels of a frame, by the device's clock), `dispatches` (of a frame),
-//! `us_per_dispatch` (of `ms`), `updates_per_s` (particles times sweeps over `ms`), `note` (why the device refused it).
+//! where a list is much shorter than it could be). `frames.csv`, fused sweeps of Projective Dynamics, a row for each size of a cloth
+//! of springs, and three for as many springs and hinges as the paper's heap of cloths has: `scene`, `constraints`, `particles`,
+//! `recolored` (`no`, or who says how large the classes of each frame's own coloring are), `colors` (of which some classes may be
+//! empty, if recolored), `bytes` (as known before the device is asked), `ms` (median of a frame, positions and velocities read
+//! back), `ms_min`, `ms_resident` (median of a frame that stays on the device), `kernels_ms` (of all kernels of a frame, by the
+//! device's clock), `dispatches` (of a frame), `us_per_dispatch` (of `ms_resident`), `updates_per_s` (particles times sweeps over
+//! `ms_resident`), `note` (why the device refused it). The algorithm `vivace, unseen` of `colorings.csv` is the paper's in a fixed
+//! number of rounds, of which nobody looks how many were needed.
 
 mod frames;
 mod kernels;
@@ -21,6 +25,7 @@ mod measure;
 
 use std::path::PathBuf;
 
+use frames::Case;
 use vivace_gpu::{Gpu, GpuError};
 use vivace_tests::workloads::Workload;
 
@@ -87,7 +92,9 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
         .filter(|workload| measure::GRAPHS.contains(&workload.name))
         .collect();
     let sizes = sizes(options, &gpu);
-    progress.figure("bench-gpu", 2 + 2 * workloads.len() as u64 + sizes.len() as u64);
+    let of_sizes = sizes.into_iter().flat_map(|n| [Case::springs(n), Case::drape(n)]);
+    let cases: Vec<Case> = of_sizes.chain(frames::heap()).collect();
+    progress.figure("bench-gpu", 2 + 2 * workloads.len() as u64 + cases.len() as u64);
     progress.step("dispatches");
     let dispatches = measure::dispatches()?;
     progress.step("copies");
@@ -99,11 +106,9 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
     }
     gpu.trim();
     let mut frames = frames::table();
-    for n in sizes {
-        progress.step(&format!("frames of {} constraints", Value::from(n).shown()));
-        for scene in [frames::Scene::Cloth, frames::Scene::Drape] {
-            frames::frames(scene, n, copies, &mut frames, &mut by_kernel)?;
-        }
+    for case in cases {
+        progress.step(&format!("frames of {} constraints", Value::from(case.n_constraints).shown()));
+        frames::frames(case, copies, &mut frames, &mut by_kernel)?;
     }
     let mut colorings = measure::colorings_table();
     for workload in workloads {

@@ -2,6 +2,7 @@
 
 use super::WITH_RAPIER;
 use super::animation::Animation;
+use super::drape::{self, Drape};
 use super::frames::{self, Kind, Left};
 use super::stability::{self, Fastest};
 use super::sweeps::{Bandwidth, SUBSTEP, SWEEP};
@@ -19,6 +20,7 @@ pub(super) struct Measured<'a> {
     pub(super) bandwidth: &'a [Bandwidth],
     pub(super) frames: &'a [Left],
     pub(super) animations: &'a [Animation],
+    pub(super) drapes: &'a [Drape],
     pub(super) stability: &'a [Fastest],
 }
 
@@ -40,6 +42,7 @@ pub(super) fn judge(measured: &Measured<'_>) -> Table {
     judge.threads();
     judge.frames();
     judge.animations();
+    judge.drapes();
     judge.stability();
     judge.table
 }
@@ -126,15 +129,22 @@ impl Judge<'_> {
         self.push("B, PD strain, split, over PLAIN", Asked::Nothing, times.ratio("B", "PD strain, split", 1));
         self.push("B, PD strain, fused, over PLAIN", Asked::Nothing, times.ratio("B", "PD strain, fused", 1));
         let scale = 55_000.0 / self.measured.n_tets.max(1) as f64;
-        let local = |n_threads| {
-            let sweep = times.ms("B", "PD strain, linear sweep", n_threads);
-            times.ms("B", "PD strain, split", n_threads).with(sweep, |all, sweep| (all - sweep) * scale)
+        let local = |kind: &str, how: &str, n_threads| {
+            let sweep = times.ms("B", &format!("PD {kind}, linear sweep"), n_threads);
+            let split = times.ms("B", &format!("PD {kind}, split{how}"), n_threads);
+            split.with(sweep, |all, sweep| (all - sweep) * scale)
         };
-        self.push("B, local step of 55K tetrahedra, gathered, 1 thread [ms]", Asked::AtMost(3.0), local(1));
-        if self.measured.n_threads > 1 {
-            let n = self.measured.n_threads;
-            let bar = format!("B, local step of 55K tetrahedra, gathered, {n} threads [ms]");
-            self.push(&bar, Asked::Nothing, local(n));
+        for (kind, how, asked) in [
+            ("strain", "", Asked::AtMost(3.0)),
+            ("strain", ", stretched", Asked::AtMost(3.0)),
+            ("volume", ", stretched", Asked::Nothing),
+        ] {
+            let bar = format!("B, local step of 55K tetrahedra, {kind}{how}, gathered");
+            self.push(&format!("{bar}, 1 thread [ms]"), asked, local(kind, how, 1));
+            if self.measured.n_threads > 1 {
+                let n = self.measured.n_threads;
+                self.push(&format!("{bar}, {n} threads [ms]"), Asked::Nothing, local(kind, how, n));
+            }
         }
     }
 
@@ -207,6 +217,24 @@ impl Judge<'_> {
         } else {
             let bar = "mean strain below 1.6% at 60 Hz, over PLAIN: none";
             self.push(bar, Asked::AtMost(17.0), Reading::one(f64::INFINITY));
+        }
+    }
+
+    /// Workload C.
+    fn drapes(&mut self) {
+        let drapes = self.measured.drapes;
+        for one in drapes {
+            let asked = if one.setting == drape::RECOMMENDED { Asked::AtMost(15.0) } else { Asked::Nothing };
+            let bar = format!("C, a frame, {} ({:.2}% mean strain) [ms]", one.setting, 100.0 * one.strain);
+            self.push(&bar, asked, one.quantile(0.5));
+        }
+        for one in drapes.iter().filter(|one| one.setting == drape::RECOMMENDED) {
+            self.push("C, 95 of 100 frames take less than [ms]", Asked::Nothing, one.quantile(0.95));
+            self.push(
+                "C, contacts made constraints, recoloring included [ms]",
+                Asked::AtMost(0.5),
+                one.coloring(),
+            );
         }
     }
 

@@ -1,7 +1,7 @@
 //! What is left of one frame's error after so many milliseconds.
 
 use vivace_solver::reference::{Answer, Reference, ReferenceState};
-use vivace_solver::{Budget, Forces, Model, Preconditioner, Relaxation, Solver, State, System};
+use vivace_solver::{Budget, Forces, Model, Preconditioner, Relaxation, Rho, Solver, State, System};
 
 use super::scenes::{self, STEP};
 use super::sweeps::{blocks, gauss_seidel, position_based, split};
@@ -82,12 +82,12 @@ pub(super) fn settings() -> Vec<Setting> {
         all.push(Setting { name, kind, solver: Solver { relaxation, safeguard, ..base } });
     };
     let diagonal = gauss_seidel(1.0);
-    let chebyshev = |rho| Relaxation::ChebyshevGaussSeidel { rho, delay: 0 };
+    let chebyshev = |rho| Relaxation::ChebyshevGaussSeidel { rho: Rho::Given(rho), delay: 0 };
     let sor = |omega| gauss_seidel(omega).relaxation;
     use Kind::{Direct, Reference, Relaxation as Relaxed};
     push("Jacobi 2/3".into(), Relaxed, false, Relaxation::Jacobi { omega: 2.0 / 3.0 }, diagonal);
     for rho in [0.99, 0.999, 0.9992] {
-        let relaxation = Relaxation::Chebyshev { rho, gamma: 0.9, delay: 0 };
+        let relaxation = Relaxation::Chebyshev { rho: Rho::Given(rho), gamma: 0.9, delay: 0 };
         push(format!("Chebyshev-Jacobi {rho}"), Relaxed, true, relaxation, diagonal);
     }
     push("GS".into(), Relaxed, false, sor(1.0), diagonal);
@@ -102,7 +102,7 @@ pub(super) fn settings() -> Vec<Setting> {
     }
     push("Chebyshev-GS 0.999".into(), Relaxed, false, chebyshev(0.999), diagonal);
     for rho in [0.99, 0.999] {
-        let relaxation = Relaxation::SymmetricChebyshev { rho };
+        let relaxation = Relaxation::SymmetricChebyshev { rho: Rho::Given(rho) };
         push(format!("symmetric Chebyshev-GS {rho}"), Relaxed, true, relaxation, diagonal);
     }
     push("blocks GS".into(), Relaxed, false, sor(1.0), blocks(diagonal));

@@ -7,12 +7,16 @@
 //! `times.csv`, a row for each task: `workload`, `task`, `threads`, `runs`, `ms`, `ms_q1`, `ms_q3`, `ms_min` (per iteration),
 //! `over_plain` (ratio of the medians), `over_plain_min` (of the minima). `frames.csv`, what one frame leaves of its error:
 //! `stiffness`, `setting`, `safeguard`, `kind`, `ms_per_iteration`, `ms` (the budget), `iterations`, `error`, `backoffs`.
+//! `drape.csv`, workload C, a cloth that falls on a sphere and collides with itself, one thread: `setting`, `frames`, `ms` (median),
+//! `ms_p95`, `ms_most`, medians of the phases (`predict_ms`, `detect_ms`, `color_ms`, `solve_ms`, `guard_ms`, `finish_ms`), the most
+//! `contacts` and `colors` of a frame, `held_back` (particles, in all), `depth_m` (the worst), `strain` (the edges' mean at the end).
 //! `winners.csv`: `stiffness`, `ms`, `kind`, `setting`, `error`. `animation.csv`: `setting`, `rate`, `ms` (per frame at 60 Hz),
 //! `ms_min`, `over_plain`, `over_plain_min`, `strain` (at the end). `stability.csv`: `setting`, `stiffness`, `iterations`, `speed`
 //! (the largest). `bars.csv`: `bar`, `asked`, `reached`, `met`, `by_median`.
 
 mod animation;
 mod bars;
+mod drape;
 mod factor;
 mod frames;
 mod plain;
@@ -48,6 +52,8 @@ pub struct Sizes {
     pub budgets: Vec<f64>,
     /// Length of the animations \[frames of 1/60 s\].
     pub animation: u32,
+    /// Length of workload C \[frames of 1/60 s\].
+    pub drape: u32,
     /// Frames of 1/30 s, iterations and stiffnesses \[N/m\] of the stability runs.
     pub stability: (u32, Vec<u32>, Vec<f32>),
 }
@@ -62,6 +68,7 @@ impl Sizes {
             frames_before: 10,
             budgets: vec![4.0, 8.0, 15.0, 25.0],
             animation: 180,
+            drape: 120,
             stability: (90, vec![1, 2, 3, 4, 5, 7, 10, 20, 50, 100], vec![1.0, 10.0, 100.0, 1000.0]),
         }
     }
@@ -71,6 +78,7 @@ impl Sizes {
         Self {
             cloths: [100, 400, 0],
             runs: 5,
+            drape: 60,
             stability: (45, vec![1, 4, 20], vec![10.0, 100.0]),
             ..Self::full()
         }
@@ -105,6 +113,8 @@ pub struct Finished {
     pub winners: Table,
     /// Strain and time of animations.
     pub animation: Table,
+    /// Workload C: time of a frame by phase.
+    pub drapes: Table,
     /// Bars, and whether they are met.
     pub bars: Table,
 }
@@ -139,7 +149,7 @@ impl Pools {
 pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, FigureError> {
     let sizes = &options.sizes;
     let pools = Pools::new(options.n_threads)?;
-    progress.figure("simulation", 7);
+    progress.figure("simulation", 8);
     let mut times = Times::default();
     progress.step("sweeps of A");
     sweeps::cloth(sizes, &pools, &mut times)?;
@@ -151,6 +161,8 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Figur
     let frames = frames::measure(sizes, &pools)?;
     progress.step("animations");
     let animations = animation::measure(sizes, &pools)?;
+    progress.step("workload C");
+    let drapes = drape::measure(sizes, &pools)?;
     progress.step("stability");
     let stability = stability::measure(sizes, &pools)?;
     progress.step("bars");
@@ -162,11 +174,13 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Figur
         bandwidth: &bandwidth,
         frames: &frames,
         animations: &animations,
+        drapes: &drapes,
         stability: &stability,
     });
     let times = times.table();
     let winners = frames::winners(&frames, &sizes.budgets);
     let animation = animation::table(&animations);
+    let drapes = drape::table(&drapes);
     let info = RunInfo::new("Vivace: solvers measured", &options.command, 0, &options.source)
         .option("Threads", options.n_threads)
         .paragraph("Times per iteration, and as ratios to a plain scalar Gauss-Seidel sweep (PLAIN) over the matrix of workload A, measured in turns with all else. Bars are judged by the best runs, since whatever else runs on the machine only adds time; what the medians say stands beside.");
@@ -180,12 +194,14 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Figur
     .table(times.clone())
     .table(winners.clone())
     .table(animation.clone())
+    .table(drapes.clone())
     .table(stability::summary(&stability));
     let data = [
         ("times", &times),
         ("frames", &frames::table(&frames)),
         ("winners", &winners),
         ("animation", &animation),
+        ("drape", &drapes),
         ("stability", &stability::table(&stability)),
         ("bars", &bars),
     ];
@@ -195,5 +211,5 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Figur
     figure.seconds = Some(progress.done());
     let mut report = Report::create(&options.out, info)?;
     report.add(figure)?;
-    Ok(Finished { page: report.finish()?, times, winners, animation, bars })
+    Ok(Finished { page: report.finish()?, times, winners, animation, drapes, bars })
 }

@@ -8,17 +8,22 @@ use std::f32::consts::TAU;
 use std::time::Instant;
 
 use glam::Vec3;
-use rapier3d::dynamics::{SoftBodyBuilder, SoftBodyHandle, SoftBodyMaterial, SpringCoefficients};
+use rapier3d::dynamics::{
+    IntegrationParameters, SoftBodyBuilder, SoftBodyHandle, SoftBodyMaterial, SpringCoefficients,
+};
+use rapier3d::geometry::ColliderBuilder;
 use rapier3d::math::Vector;
 use rapier3d::pipeline::PhysicsWorld;
 use rayon::ThreadPool;
+use vivace_scene::Scene;
 use vivace_solver::reference::Answer;
 use vivace_solver::{Forces, Model, State};
 
 use super::Sizes;
 use super::animation::{Animated, Running};
+use super::drape::Drape;
 use super::frames::{self, Kind, Left};
-use super::scenes::STEP;
+use super::scenes::{self, STEP};
 use super::sweeps::{SUBSTEP, SWEEP, Task};
 use crate::figures::FigureError;
 
@@ -48,6 +53,15 @@ struct Cloth {
 impl Cloth {
     /// The springs and hinges of `model`, at rest at `start`.
     fn new(model: &Model, start: &State) -> Self {
+        let mut parameters = IntegrationParameters::default();
+        // Nothing collides: what contacts need is left out.
+        parameters.num_internal_stabilization_iterations = 0;
+        parameters.soft_bodies.resweep_strain = f32::MAX;
+        parameters.soft_bodies.max_extra_substeps = 0;
+        Self::in_world(Self::builder(model, start).no_surface_collider(), parameters)
+    }
+
+    fn builder(model: &Model, start: &State) -> SoftBodyBuilder {
         let inverse_mass = |particle: &u32| 1.0 / model.masses()[*particle as usize];
         let undamped = |square: f32| SpringCoefficients::new(square.sqrt() / TAU, 0.0);
         let constraints = model.constraints();
@@ -68,17 +82,15 @@ impl Cloth {
             .dihedrals(constraints.bending.particles.clone())
             .material(SoftBodyMaterial { bend_softness: undamped(bending), ..SoftBodyMaterial::default() })
             .additional_pgs_iterations(0)
-            .can_sleep(false)
-            .no_surface_collider();
+            .can_sleep(false);
         builder.edge_softness = (0..).zip(edge_softness).collect();
+        builder
+    }
 
+    fn in_world(builder: SoftBodyBuilder, integration_parameters: IntegrationParameters) -> Self {
         let [x, y, z] = Forces::default().gravity.to_array();
-        let mut world = PhysicsWorld { gravity: Vector::new(x, y, z), ..PhysicsWorld::default() };
-        let parameters = &mut world.integration_parameters;
-        // Nothing collides: what contacts need is left out.
-        parameters.num_internal_stabilization_iterations = 0;
-        parameters.soft_bodies.resweep_strain = f32::MAX;
-        parameters.soft_bodies.max_extra_substeps = 0;
+        let gravity = Vector::new(x, y, z);
+        let mut world = PhysicsWorld { gravity, integration_parameters, ..PhysicsWorld::default() };
         let body = world.insert_soft_body(builder);
         Self { world, body }
     }
@@ -164,6 +176,36 @@ pub(super) fn errors(
         }
     }
     all
+}
+
+/// The name of the rival on workload C.
+pub(super) const DRAPE: &str = "rapier3d, self-collision";
+
+/// Frames of workload C: each takes about a second.
+const N_FRAMES: usize = 4;
+
+/// Frames of workload C from where it has come to, with rapier's own settings and contacts of the cloth with itself.
+pub(super) fn drape(scene: &Scene, model: &Model, state: &State) -> Drape {
+    let thickness = scene.collisions.as_ref().map_or(0.0, |collisions| collisions.thickness);
+    let friction = 0.3;
+    let parameters = IntegrationParameters::default();
+    let builder = Cloth::builder(model, state)
+        .surface(model.surface().to_vec())
+        .surface_collider(ColliderBuilder::ball(thickness).density(0.0).friction(friction))
+        .particle_radius(0.5 * thickness)
+        .self_contacts(true);
+    let mut cloth = Cloth::in_world(builder, parameters);
+    let floor =
+        ColliderBuilder::cuboid(10.0, 1.0, 10.0).translation(Vector::new(0.0, -1.0, 0.0)).friction(friction);
+    let sphere = ColliderBuilder::ball(0.3).translation(Vector::Y * 0.3).friction(friction);
+    cloth.world.insert_collider(floor, None);
+    cloth.world.insert_collider(sphere, None);
+    cloth.set(state);
+    let mut drape = Drape::new(DRAPE.to_owned());
+    let plan = [parameters.num_solver_iterations, parameters.num_internal_pgs_iterations];
+    (0..N_FRAMES).for_each(|_| drape.push(cloth.step(1.0 / 60.0, plan)));
+    drape.strain = scenes::mean_strain(model, &cloth.positions());
+    drape
 }
 
 struct Animation {

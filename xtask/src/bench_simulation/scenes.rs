@@ -41,6 +41,8 @@ pub(super) enum Material {
     EdgesAndVolume,
     /// Tetrahedra that keep their shape.
     Strain,
+    /// Tetrahedra that keep their volume.
+    Volume,
 }
 
 /// Workload B of so many cells, one end pinned.
@@ -54,6 +56,7 @@ pub(super) fn bar(cells: [usize; 3], material: Material) -> Result<(Model, State
             builder.tet_volume(0, mesh.tets(), BAR_STIFFNESS.0, [1.0, 1.0])?;
         }
         Material::Strain => builder.tet_strain(0, mesh.tets(), BAR_STIFFNESS.0)?,
+        Material::Volume => builder.tet_volume(0, mesh.tets(), BAR_STIFFNESS.0, [1.0, 1.0])?,
     }
     for (particle, position) in (0..).zip(mesh.positions()) {
         if position.x < 1e-6 {
@@ -61,6 +64,17 @@ pub(super) fn bar(cells: [usize; 3], material: Material) -> Result<(Model, State
         }
     }
     Ok(builder.build()?)
+}
+
+/// The bar a hundred times as long, and its particles moved by up to a cell: uneven tetrahedra, many of them inverted.
+pub(super) fn stretched((model, state): &(Model, State)) -> (Model, State) {
+    let mut state = state.clone();
+    for (k, q) in state.positions.iter_mut().enumerate() {
+        let k = k as f32;
+        let shift = Vec3::new((12.9 * k).sin(), (78.2 * k).sin(), (37.7 * k).sin());
+        *q = Vec3::new(100.0 * q.x, q.y, q.z) + shift * 0.01;
+    }
+    (model.clone(), state)
 }
 
 /// Mean of |l − l₀|/l₀ over the springs \[1\].

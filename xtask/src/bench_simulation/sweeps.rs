@@ -137,11 +137,15 @@ pub(super) fn cloth(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(
 pub(super) fn bar(sizes: &Sizes, pools: &Pools, times: &mut Times) -> Result<(), FigureError> {
     let volume = scenes::bar(sizes.bar, Material::EdgesAndVolume)?;
     let strain = scenes::bar(sizes.bar, Material::Strain)?;
+    let kept = scenes::bar(sizes.bar, Material::Volume)?;
     let mut tasks = vec![
         Task::new("B", "XPBD edges and volume", &volume, position_based(), 10)?,
         Task::new("B", "PD strain, split", &strain, split(1), 10)?,
         Task::new("B", "PD strain, linear sweep", &strain, split(FROZEN), 20)?,
         Task::new("B", "PD strain, fused", &strain, gauss_seidel(1.0), 2)?,
+        Task::new("B", "PD strain, split, stretched", &scenes::stretched(&strain), split(1), 4)?,
+        Task::new("B", "PD volume, split, stretched", &scenes::stretched(&kept), split(1), 4)?,
+        Task::new("B", "PD volume, linear sweep", &kept, split(FROZEN), 20)?,
     ];
     let mut plain = Plain::new(&scenes::cloth(sizes.cloths[0], 100.0, true)?.0, STEP)?;
     in_turns(&mut tasks, &mut plain, pools, sizes.runs, times)

@@ -43,7 +43,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
         .map_err(|error| CommandError::Failed(error.to_string()))?;
     drop(progress);
     let mut text = String::new();
-    for table in [&finished.times, &finished.winners, &finished.animation, &finished.bars] {
+    for table in [&finished.times, &finished.winners, &finished.animation, &finished.drapes, &finished.bars] {
         let _ = writeln!(text, "{}\n\n{}", table.name, super::bench_coloring::aligned(table));
     }
     let _ = writeln!(text, "{}", finished.page.display());

@@ -31,7 +31,7 @@ pub struct Args {
     /// Seed of meshes and colorings
     #[arg(long, default_value_t = 2016, value_name = "S")]
     seed: u64,
-    /// Add the GPU's curves to figures 2 and 3; the adapter is named
+    /// Add the GPU's curves to figures 2 to 5; the adapter is named
     #[arg(long, value_enum, default_value = "cpu")]
     backend: Backend,
     /// Threads that color [default: all]

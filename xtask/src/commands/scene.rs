@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vivace_scene::{Scene, armadillo, tablecloth};
+use vivace_scene::{Scene, armadillo, drape, heap, noodles, pinch, tablecloth};
 
 use super::CommandError;
 use crate::figures::simulation::scenes::side;
@@ -14,9 +14,14 @@ pub(super) fn load(path: &Path, n_vertices: Option<usize>) -> Result<(Scene, Pat
         (_, None) => Scene::named(name),
         ("tablecloth", Some(n)) => Some(tablecloth(side(n))),
         ("armadillo", Some(n)) => Some(armadillo(n)),
+        ("drape", Some(n)) => Some(drape(side(n))),
+        ("heap", Some(n)) => Some(heap(side(n / 9))),
+        ("pinch", Some(n)) => Some(pinch(side(n / 9))),
+        // Forty noodles, about 13 times as long as wide.
+        ("noodles", Some(n)) => Some(noodles(side(n / 530))),
         _ => {
             return Err(CommandError::Usage(
-                "--vertices is for tablecloth and armadillo alone; other scenes say their size themselves"
+                "--vertices is for tablecloth, armadillo, drape, heap, pinch and noodles; other scenes say their size themselves"
                     .to_owned(),
             ));
         }

@@ -1,29 +1,33 @@
 //! `cargo xtask simulate`: runs a scene; meshes, measures and pictures to a folder.
 
 mod frames;
-mod strain;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use vivace_sim::{Budget, SimError, Simulation, Snapshot, Solver, StepReport, Stop};
+use vivace_sim::{Budget, SimError, Simulation, Snapshot, Solver, StepReport, Stop, TearReport};
 
 use super::{CommandError, output, scene};
+use crate::picture::Stage;
 use crate::report::Progress;
+use crate::strain::Strain;
 use frames::{Album, Format};
-use strain::Strain;
 
 /// Run a scene: meshes, measures and pictures to a folder
 ///
 /// SCENE is a .ron or .json file, or the name of a ready-made scene: tablecloth,
-/// armadillo, beam, curtain, drape (their files are in assets/scenes). DIR gets
-/// frames.csv, a row for each frame, and a mesh of the start and of every Mth frame. Under
-/// --iterations the result is the same on every run and any number of threads.
+/// armadillo, beam, curtain, drape, flag, noodles, heap, stack (their files are in
+/// assets/scenes). DIR gets frames.csv, a row for each frame, a mesh of the start and of every
+/// Mth frame, and one of each obstacle where it stands, or has moved to. Under --iterations the
+/// result is the same on every run and any number of threads.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Args {
     /// A scene file, or the name of a ready-made scene
     scene: PathBuf,
+    /// A ready-made scene of about so many vertices, instead of its own size
+    #[arg(long, value_name = "N")]
+    vertices: Option<usize>,
     /// How many frames to simulate
     #[arg(long, value_name = "N", default_value_t = 60)]
     frames: u64,
@@ -65,7 +69,7 @@ pub struct Args {
     quiet: bool,
 }
 
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 25] = [
     "frame",
     "time_s",
     "iterations",
@@ -78,7 +82,19 @@ const COLUMNS: [&str; 13] = [
     "total_ms",
     "mean_strain",
     "max_strain",
+    "particles",
+    "torn_corners",
+    "tear_ms",
     "stop",
+    "detect_ms",
+    "color_ms",
+    "guard_ms",
+    "contacts",
+    "left_out",
+    "changed_edges",
+    "recolored",
+    "held_back",
+    "deepest_m",
 ];
 
 /// Reads, simulates, writes.
@@ -88,11 +104,11 @@ const COLUMNS: [&str; 13] = [
 pub fn run(args: Args) -> Result<(), CommandError> {
     let mut progress = if args.quiet { Progress::silent() } else { Progress::new() };
     let solver = args.solver.as_deref().map_or_else(|| Ok(Solver::default()), solver)?;
-    let (scene, folder) = scene::load(&args.scene, None)?;
+    let (scene, folder) = scene::load(&args.scene, args.vertices)?;
     let mut simulation =
         Simulation::new_in(&scene, &folder, solver).map_err(|error| failed(&args.scene, &error))?;
     simulation.set_measuring(args.measure);
-    let strain = Strain::at_rest(simulation.model(), simulation.positions());
+    let mut strain = Strain::at_rest(simulation.model(), simulation.positions());
     if let Some(path) = &args.resume {
         let text = std::fs::read_to_string(path).map_err(|error| {
             CommandError::Failed(format!(
@@ -102,6 +118,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
         })?;
         let restored = Snapshot::from_json(&text).and_then(|snapshot| simulation.restore(&snapshot));
         restored.map_err(|error| failed(path, &error))?;
+        strain = strain.torn(simulation.model());
     }
     let budget = match args.budget_ms {
         Some(ms) => Budget::milliseconds(ms),
@@ -111,7 +128,9 @@ pub fn run(args: Args) -> Result<(), CommandError> {
 
     let out = args.out.clone().unwrap_or_else(|| super::reproduce_figures::workspace().join("out/simulate"));
     std::fs::create_dir_all(&out).map_err(|error| cannot_write(&out, &error))?;
-    let mut album = Album::new(&out, args.format, args.pictures, args.animation);
+    let stage = Stage::new(&scene, &folder, simulation.model(), simulation.positions());
+    let stage = stage.map_err(|error| failed(&args.scene, &error.into()))?;
+    let mut album = Album::new(&out, args.format, args.pictures, args.animation, stage);
     let path = out.join("frames.csv");
     let csv_failed = |error: csv::Error| cannot_write(&out.join("frames.csv"), &error);
     let mut table = csv::Writer::from_path(&path).map_err(csv_failed)?;
@@ -135,6 +154,9 @@ pub fn run(args: Args) -> Result<(), CommandError> {
             ))
         })?;
         let total = start.elapsed().as_secs_f64();
+        if report.tears != TearReport::default() {
+            strain = strain.torn(simulation.model());
+        }
         let row = row(&simulation, &report, total, strain.measure(simulation.positions()));
         table.write_record(row).map_err(csv_failed)?;
         if (done + 1) % args.every == 0 {
@@ -152,12 +174,13 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     if args.quiet { Ok(()) } else { output::print(&format!("{}\n", path.display())) }
 }
 
-fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 13] {
+fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 25] {
     let stop = match report.stop {
         Stop::Iterations => "iterations",
         Stop::Time => "time",
         Stop::Tolerance => "tolerance",
     };
+    let contacts = &report.contacts;
     // What was not measured stays empty.
     let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value}") };
     let measured = |value: Option<f64>| value.map_or_else(String::new, number);
@@ -174,7 +197,19 @@ fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f
         number(total * 1e3),
         number(mean),
         number(max),
+        simulation.positions().len().to_string(),
+        report.tears.triangles.to_string(),
+        number(report.times.tear * 1e3),
         stop.to_owned(),
+        number(report.times.detect * 1e3),
+        number(report.times.color * 1e3),
+        number(report.times.guard * 1e3),
+        contacts.contacts.to_string(),
+        contacts.left_out.to_string(),
+        contacts.changed_edges.to_string(),
+        contacts.recolored.to_string(),
+        contacts.held_back.to_string(),
+        contacts.deepest.to_string(),
     ]
 }
 

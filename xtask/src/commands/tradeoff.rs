@@ -48,7 +48,15 @@ pub fn run(args: Args) -> Result<(), CommandError> {
             "the answer that errors are measured against has no contacts; take `collisions` out of the scene";
         return Err(named(&words));
     }
+    if scene.bodies.iter().any(|body| !body.drags.is_empty()) {
+        let words = "the answer that errors are measured against holds still what it holds; take `drags` out of the scene";
+        return Err(named(&words));
+    }
     let scene = pool.install(|| Scene::build(&scene, &folder)).map_err(|e| named(&e))?;
+    if scene.model.can_tear() {
+        let words = "the answer that errors are measured against does not tear; take `tear` out of the scene";
+        return Err(named(&words));
+    }
     let mut command = format!("cargo xtask tradeoff {}", quoted(&args.scene));
     if args.quick {
         command += " --quick";

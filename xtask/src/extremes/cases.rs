@@ -174,6 +174,16 @@ pub fn cases(reduced: bool) -> Result<Vec<Case>, FigureError> {
     Ok(list.0)
 }
 
+/// A cloth with nothing at its end, for bad input.
+///
+/// # Errors
+/// What the model refuses.
+pub fn usual() -> Result<Case, FigureError> {
+    let mut list = List(Vec::new());
+    let name = "cloth, NaN at frame 100".to_owned();
+    Ok(list.add("bad input", name, sheet(100.0, 1.0, Held::Ends)?).clone())
+}
+
 /// Bad starts: at rest, but nowhere near the rest shape.
 fn starts(list: &mut List, mesh: &TetMesh) -> Result<(), FigureError> {
     for (what, scene) in [("cloth", sheet(100.0, 1.0, Held::Ends)?), ("beam", bar(mesh, 1e5, Held::Ends)?)] {

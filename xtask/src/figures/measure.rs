@@ -30,7 +30,7 @@ impl Method {
     }
 
     const fn on_gpu(self, name: &'static str) -> Self {
-        Self { name, look: Look { dash: 1, ..self.look }, is_on_gpu: true, ..self }
+        Self { name, look: Look { dash: Look::DOTTED, ..self.look }, is_on_gpu: true, ..self }
     }
 
     /// Luby (1985).

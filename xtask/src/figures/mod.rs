@@ -2,6 +2,7 @@
 
 pub mod ablation;
 pub mod claims;
+pub mod contacts;
 mod device;
 pub mod families;
 pub mod fig2;
@@ -12,6 +13,7 @@ pub mod simulation;
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use rayon::ThreadPool;
 use vivace_coloring::Violation;
@@ -20,6 +22,7 @@ use vivace_graph::GraphError;
 use vivace_mesh::MeshError;
 use vivace_model::ModelError;
 use vivace_scene::SceneError;
+use vivace_sim::SimError;
 use vivace_solver::SolverError;
 
 use crate::extremes;
@@ -46,6 +49,9 @@ pub enum FigureError {
     /// A scene could not be made.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A simulation could not be made, or a frame of it.
+    #[error(transparent)]
+    Simulation(#[from] SimError),
     /// A step could not be made.
     #[error(transparent)]
     Solver(#[from] SolverError),
@@ -114,6 +120,8 @@ pub struct Sizes {
     pub seconds: f64,
     /// Scenes of figures 4 to 7 and of the trade.
     pub simulation: simulation::Sizes,
+    /// Scenes of figures 1, 8 and 9.
+    pub contacts: contacts::Sizes,
     /// How much is measured for the trade.
     pub trade: Effort,
     /// Whether of the extremes one case of each kind is enough.
@@ -132,12 +140,13 @@ impl Sizes {
             ablation_seeds: 7,
             seconds: 5.0,
             simulation: simulation::Sizes::quick(),
+            contacts: contacts::Sizes::quick(),
             trade: Effort::quick(),
             is_reduced: true,
         }
     }
 
-    /// An hour or so.
+    /// Two hours or so, by estimate.
     pub fn normal() -> Self {
         Self {
             flag: "",
@@ -146,6 +155,7 @@ impl Sizes {
             ablation_seeds: 9,
             seconds: 10.0,
             simulation: simulation::Sizes::normal(),
+            contacts: contacts::Sizes::normal(),
             trade: Effort::normal(),
             is_reduced: false,
             ..Self::quick()
@@ -160,6 +170,7 @@ impl Sizes {
             ablation_seeds: 15,
             seconds: 40.0,
             simulation: simulation::Sizes::full(),
+            contacts: contacts::Sizes::full(),
             trade: Effort { stable_frames: 90, ..Effort::normal() },
             ..Self::normal()
         }
@@ -171,7 +182,7 @@ impl Sizes {
 pub struct Options {
     /// Sizes and numbers of runs.
     pub sizes: Sizes,
-    /// Names of the figures to make, `2` to `7`, `trade` and `extremes`; none for all.
+    /// Names of the figures to make, `1` to `9`, `trade` and `extremes`; none for all.
     pub figures: Vec<String>,
     /// A folder with the user's own meshes.
     pub meshes: Option<PathBuf>,
@@ -203,6 +214,8 @@ pub struct Context<'a> {
     pub progress: &'a mut Progress,
     /// What the machine is called in verdicts.
     pub machine: String,
+    /// What figures 1, 8 and 9 share.
+    pub played: Vec<(contacts::Scenario, Rc<contacts::played::Played>)>,
 }
 
 impl Context<'_> {
@@ -215,13 +228,16 @@ impl Context<'_> {
 type Make = fn(&mut Context<'_>, &str) -> Result<Figure, FigureError>;
 
 /// All figures, in the order of the report, by the names that the command line knows.
-const ALL: [(&str, Make); 8] = [
+const ALL: [(&str, Make); 11] = [
+    ("1", contacts::fig1::make),
     ("2", fig2::make),
     ("3", fig3::make),
     ("4", simulation::fig4::make),
     ("5", simulation::fig5::make),
     ("6", simulation::fig6::make),
     ("7", simulation::fig7::make),
+    ("8", contacts::fig8::make),
+    ("9", contacts::fig9::make),
     ("trade", tradeoff::figure),
     ("extremes", extremes::figure),
 ];
@@ -295,7 +311,7 @@ pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, 
     let machine = format!("{}, {n_threads} threads", info.machine.cpu);
     info.machine.adapters.extend(gpu.as_ref().map(crate::bench_gpu::adapter));
     let info = info
-        .paragraph("Figures 2 to 7 of \u{201c}Vivace: a practical Gauss-Seidel method for stable soft body dynamics\u{201d} (Fratarcangeli, Tibaldo, Pellacini, SIGGRAPH Asia 2016), from our own colorings and simulations; then error against time of every solver, and what each survives. The paper prints no numbers with these figures: ours are new measurements, and each sentence of the paper that claims a result stands beside what was found.")
+        .paragraph("Figures 1 to 9 of \u{201c}Vivace: a practical Gauss-Seidel method for stable soft body dynamics\u{201d} (Fratarcangeli, Tibaldo, Pellacini, SIGGRAPH Asia 2016), from our own colorings and simulations; then error against time of every solver, and what each survives. The paper prints no numbers with these figures: ours are new measurements, and each sentence of the paper that claims a result stands beside what was found.")
         .paragraph("Times are of this machine\u{2019}s CPU. The paper\u{2019}s are of a GPU, where all vertices act at once: for that, look at rounds and visits, which are the same on every machine.")
         .paragraph(&device::sentence(gpu.as_ref()))
         .option("Threads that color", n_threads)
@@ -309,6 +325,7 @@ pub fn reproduce(options: &Options, progress: &mut Progress) -> Result<PathBuf, 
         seed: options.seed,
         progress,
         machine,
+        played: Vec::new(),
     };
     for (name, make) in ALL.into_iter().filter(|(name, _)| is_wanted(name)) {
         report.add(make(&mut context, &options.command(Some(name)))?)?;

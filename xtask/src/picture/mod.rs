@@ -10,6 +10,7 @@ mod color;
 mod image;
 mod normals;
 mod render;
+mod stage;
 #[cfg(test)]
 mod tests;
 
@@ -17,3 +18,4 @@ pub use camera::Camera;
 pub use color::color_map;
 pub use image::{Image, animation};
 pub use render::{BACKGROUND, Mesh3, Paint, Picture};
+pub use stage::{Moment, Stage};

@@ -10,6 +10,9 @@ const COLORS: [&str; 8] =
 const DASHES: [&str; 8] = ["", "8 3", "2 2.5", "8 3 2 3", "12 4", "4 2", "1.5 4", "10 3 2 3 2 3"];
 
 impl Look {
+    /// The dash of dots.
+    pub const DOTTED: usize = 6;
+
     pub(super) fn stroke(self) -> &'static str {
         COLORS[self.color % COLORS.len()]
     }

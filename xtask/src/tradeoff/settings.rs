@@ -1,6 +1,6 @@
 //! The settings that are compared, and the Rust that sets them.
 
-use vivace_solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Solver, VertexSolve};
+use vivace_solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Rho, Solver, VertexSolve};
 
 /// A solver and what it is called.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,8 @@ impl Setting {
                     "ConjugateGradient {{ preconditioner: Preconditioner::{preconditioner:?}, inner: {inner} }}"
                 )
             }
-            other => format!("{other:?}"),
+            // Of what is chosen, only ρ is a type of its own.
+            other => format!("{other:?}").replace("rho: ", "rho: Rho::"),
         };
         let substeps = match self.solver.substeps {
             1 => String::new(),
@@ -114,15 +115,12 @@ fn relaxations() -> Vec<(&'static str, Relaxation, String)> {
         let relaxation = Relaxation::GaussSeidel { omega, base: Base::Latest };
         all.push(("Gauss-Seidel", relaxation, format!("{omega}")));
     }
-    for rho in [0.9, 0.99, 0.9992] {
-        all.push((
-            "Chebyshev-Jacobi",
-            Relaxation::Chebyshev { rho, gamma: 0.9, delay: 10 },
-            format!("{rho}"),
-        ));
+    for rho in [Rho::Given(0.9), Rho::Given(0.99), Rho::Given(0.9992), Rho::Estimated] {
+        let name = if let Rho::Given(rho) = rho { format!("{rho}") } else { "estimated".to_owned() };
+        all.push(("Chebyshev-Jacobi", Relaxation::Chebyshev { rho, gamma: 0.9, delay: 10 }, name.clone()));
         let swept = Relaxation::ChebyshevGaussSeidel { rho, delay: 5 };
-        all.push(("Chebyshev-Gauss-Seidel", swept, format!("{rho}")));
-        all.push(("symmetric Chebyshev", Relaxation::SymmetricChebyshev { rho }, format!("{rho}")));
+        all.push(("Chebyshev-Gauss-Seidel", swept, name.clone()));
+        all.push(("symmetric Chebyshev", Relaxation::SymmetricChebyshev { rho }, name));
     }
     all
 }

@@ -37,7 +37,7 @@ fn simulate_writes_meshes_measures_and_pictures() {
     let mut table = csv::Reader::from_path(bench.path("out/frames.csv")).unwrap();
     assert_eq!(table.headers().unwrap().iter().collect::<Vec<_>>().join(","), CSV_COLUMNS);
     let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
-    assert_eq!((rows.len(), &rows[3][0], &rows[3][2], &rows[3][12]), (4, "4", "20", "iterations"));
+    assert_eq!((rows.len(), &rows[3][0], &rows[3][2], &rows[3][15]), (4, "4", "20", "iterations"));
     assert!((rows[3][1].parse::<f64>().unwrap() - 4.0 / 30.0).abs() < 1e-6);
     assert!(rows[3][5].parse::<f64>().unwrap() > 0.0);
     assert!(rows[3][11].parse::<f64>().unwrap() > 0.0);
@@ -46,7 +46,7 @@ fn simulate_writes_meshes_measures_and_pictures() {
     assert!(mesh(2).mesh.positions()[35].y < mesh(0).mesh.positions()[35].y);
 }
 
-const CSV_COLUMNS: &str = "frame,time_s,iterations,colors,objective,residual_n,last_move_m,backoffs,solve_ms,total_ms,mean_strain,max_strain,stop";
+const CSV_COLUMNS: &str = "frame,time_s,iterations,colors,objective,residual_n,last_move_m,backoffs,solve_ms,total_ms,mean_strain,max_strain,particles,torn_corners,tear_ms,stop,detect_ms,color_ms,guard_ms,contacts,left_out,changed_edges,recolored,held_back,deepest_m";
 
 #[test]
 fn the_trade_of_any_scene_is_measured_and_a_bad_one_refused_by_line() {

@@ -13,7 +13,7 @@ use vivace_kernels::{Backend, Host, Memory, RoundCount};
 pub use jones_plassmann::jones_plassmann;
 pub use largest_degree_first::largest_degree_first;
 pub use luby::luby;
-pub use vivace::{ConflictRule, Vivace, vivace};
+pub use vivace::{ConflictRule, Vivace, vivace, vivace_unseen};
 
 /// No coloring runs more rounds than this; who is uncolored then is colored one by one, by first fit in ascending order. Meshes
 /// take 5 to 60 rounds; cliques, where one vertex is colored a round, are what it is for.

@@ -5,9 +5,11 @@
 //! (the "Hungarian heuristic", without which neighbors with one-color palettes clash for ever); priorities are hashed in each
 //! round, since indices follow the mesh and make long chains.
 
+use vivace_cpu::Cpu;
+use vivace_graph::ConstraintGraph;
 use vivace_kernels::coloring::{
     AcceptColor, AcceptColorUniform, CONFLICT_HASH, CONFLICT_INDEX, CONFLICT_NONE, ProposeColor,
-    ProposeColorUniform, UNCOLORED,
+    ProposeColorUniform, SetValue, SetValueUniform, UNCOLORED,
 };
 use vivace_kernels::{Backend, pcg};
 
@@ -60,9 +62,56 @@ impl Vivace {
     }
 }
 
+impl Vivace {
+    /// How many numbers of colors it takes on a graph, those included that it leaves unused: what [`vivace_unseen`] leaves has as many.
+    #[must_use]
+    pub fn n_numbers(&self, graph: &ConstraintGraph) -> u32 {
+        let cpu = Cpu::new();
+        let RoundColoring { colors, .. } = cpu.enter(|| vivace(&cpu, GraphView::of(graph), self));
+        colors.iter().max().map_or(0, |&most| most + 1)
+    }
+
+    /// The parameters of both kernels in a round, on a graph of this size.
+    fn round(
+        &self,
+        n_vertices: usize,
+        n_neighbors: usize,
+        round: u32,
+    ) -> (ProposeColorUniform, AcceptColorUniform) {
+        let rule = match self.conflict {
+            ConflictRule::HighestHash => CONFLICT_HASH,
+            ConflictRule::HighestIndex => CONFLICT_INDEX,
+            ConflictRule::None => CONFLICT_NONE,
+        };
+        let palettes = self.palettes(n_vertices, n_neighbors);
+        let draw = ProposeColorUniform { key: pcg::key(self.seed, 2 * round), ..palettes };
+        (draw, AcceptColorUniform { key: pcg::key(self.seed, 2 * round + 1), rule })
+    }
+}
+
 impl Default for Vivace {
     fn default() -> Self {
         Self::DEFAULT
+    }
+}
+
+/// As [`vivace`], for so many rounds, in which nobody looks: every vertex is visited in each, and whoever has no color then is left without.
+/// Two runs a round, over arrays of a number for each vertex: `proposal`, and `color`, which has the colors in the end. Of those that it
+/// colors, they are those of [`vivace`].
+pub fn vivace_unseen<B: Backend>(
+    backend: &B,
+    graph: GraphView<'_, B::Memory>,
+    options: &Vivace,
+    n_rounds: u32,
+    proposal: &mut B::Buffer<u32>,
+    color: &mut B::Buffer<u32>,
+) {
+    let all = backend.range(0..u32::try_from(graph.n_vertices).unwrap_or(u32::MAX));
+    backend.map::<SetValue>(&all, &SetValueUniform { value: UNCOLORED }, (), color);
+    for round in 0..n_rounds {
+        let (draw, tie) = options.round(graph.n_vertices, graph.n_neighbors, round);
+        backend.map::<ProposeColor>(&all, &draw, graph.csr_and(backend.view(color)), proposal);
+        backend.map::<AcceptColor>(&all, &tie, graph.csr_and(backend.view(proposal)), color);
     }
 }
 
@@ -72,18 +121,11 @@ pub fn vivace<B: Backend>(
     graph: GraphView<'_, B::Memory>,
     options: &Vivace,
 ) -> RoundColoring<B> {
-    let palettes = options.palettes(graph.n_vertices, graph.n_neighbors); // lines 2-3
-    let rule = match options.conflict {
-        ConflictRule::HighestHash => CONFLICT_HASH,
-        ConflictRule::HighestIndex => CONFLICT_INDEX,
-        ConflictRule::None => CONFLICT_NONE,
-    };
     let mut proposal = backend.filled(graph.n_vertices, UNCOLORED);
     let (mut uncolored, mut color) = uncolored(backend, graph); // line 1
     let count = backend.rounds(ROUND_LIMIT, &mut uncolored, |round, uncolored| {
         // line 4
-        let draw = ProposeColorUniform { key: pcg::key(options.seed, 2 * round), ..palettes };
-        let tie = AcceptColorUniform { key: pcg::key(options.seed, 2 * round + 1), rule };
+        let (draw, tie) = options.round(graph.n_vertices, graph.n_neighbors, round); // lines 2-3
         let csr_color = graph.csr_and(backend.view(&color));
         backend.map::<ProposeColor>(uncolored, &draw, csr_color, &mut proposal); // lines 14-16 and 5-6
         let csr_proposal = graph.csr_and(backend.view(&proposal));

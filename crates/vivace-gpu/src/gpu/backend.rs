@@ -4,7 +4,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use vivace_kernels::{
-    Backend, CountDown, Element, Expand, Lower, Map, RoundCount, Scatter, Select, Shader, Update, View, Views,
+    Backend, CountDown, Element, Expand, Lower, Map, Params, RoundCount, Scatter, Select, Shader, Update,
+    View, Views,
 };
 
 use super::Gpu;
@@ -82,29 +83,33 @@ impl Backend for Gpu {
 
     fn indices(&self, list: &List) -> Result<Vec<u32>, GpuError> {
         match list.state()? {
-            Elements::Listed(list) => self.download(&list.memory.buffer, self.len(list)? as usize),
+            Elements::Listed(list) => {
+                let [first, len] = self.extent(list)?.map(|n| n as usize);
+                let mut indices = self.download(&list.memory.buffer, first + len)?;
+                Ok(indices.split_off(first))
+            }
             Elements::Range(range) => Ok(range.clone().collect()),
         }
     }
 
-    fn map<K: Map>(
+    fn map<'a, K: Map>(
         &self,
         list: &List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, GpuMemory>,
         output: &mut Buffer<K::Output>,
     ) {
-        self.run_over::<K, _>(&Shader::map::<K>(), list, uniform, inputs, output);
+        self.run_over::<K, _>(&Shader::map::<K>(), list, uniform.into(), inputs, output);
     }
 
-    fn update<K: Update>(
+    fn update<'a, K: Update>(
         &self,
         list: &List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, GpuMemory>,
         state: &mut Buffer<K::State>,
     ) {
-        self.run_over::<K, _>(&Shader::update::<K>(), list, uniform, inputs, state);
+        self.run_over::<K, _>(&Shader::update::<K>(), list, uniform.into(), inputs, state);
     }
 
     /// One invocation at a time: for the few that a coloring leaves over, whose number is known since its last round.
@@ -115,18 +120,18 @@ impl Backend for Gpu {
         inputs: Views<'_, K, GpuMemory>,
         state: &mut Buffer<K::State>,
     ) {
-        self.run_over::<K, _>(&Shader::update_in_order::<K>(), list, uniform, inputs, state);
+        self.run_over::<K, _>(&Shader::update_in_order::<K>(), list, uniform.into(), inputs, state);
     }
 
-    fn scatter<K: Scatter<N>, const N: usize>(
+    fn scatter<'a, K: Scatter<N>, const N: usize>(
         &self,
         list: &List,
-        uniform: &K::Uniform,
+        uniform: impl Into<Params<'a, Self, K::Uniform>>,
         inputs: Views<'_, K, GpuMemory>,
         state: &mut Buffer<K::State>,
         own: &mut Buffer<K::Own>,
     ) {
-        self.write_both::<K, _, _>(&Shader::scatter::<K, N>(), list, uniform, inputs, state, own);
+        self.write_both::<K, _, _>(&Shader::scatter::<K, N>(), list, uniform.into(), inputs, state, own);
     }
 
     fn scatter_in_order<K: Scatter<N>, const N: usize>(
@@ -137,7 +142,14 @@ impl Backend for Gpu {
         state: &mut Buffer<K::State>,
         own: &mut Buffer<K::Own>,
     ) {
-        self.write_both::<K, _, _>(&Shader::scatter_in_order::<K, N>(), list, uniform, inputs, state, own);
+        self.write_both::<K, _, _>(
+            &Shader::scatter_in_order::<K, N>(),
+            list,
+            uniform.into(),
+            inputs,
+            state,
+            own,
+        );
     }
 
     fn select<K: Select>(
@@ -183,7 +195,14 @@ impl Backend for Gpu {
         inputs: Views<'_, K, GpuMemory>,
         lowest: &mut Buffer<u32>,
     ) {
-        self.run_over::<K, _>(&Shader::lower::<K, N>(), list, uniform, inputs, lowest);
+        self.run_over::<K, _>(&Shader::lower::<K, N>(), list, uniform.into(), inputs, lowest);
+    }
+
+    fn group_by(&self, keys: &Buffer<u32>, n_keys: u32) -> Vec<List> {
+        match self.try_group_by(keys, n_keys) {
+            Ok(lists) => lists.into_iter().map(|list| List::listed(Ok(list))).collect(),
+            Err(error) => vec![List::listed(Err(error)); n_keys as usize],
+        }
     }
 
     fn count_down<K: CountDown>(
@@ -193,7 +212,7 @@ impl Backend for Gpu {
         inputs: Views<'_, K, GpuMemory>,
         counters: &mut Buffer<u32>,
     ) {
-        self.run_over::<K, _>(&Shader::count_down::<K>(), list, uniform, inputs, counters);
+        self.run_over::<K, _>(&Shader::count_down::<K>(), list, uniform.into(), inputs, counters);
     }
 
     /// Records a batch of rounds, submits it, and only then looks whether the list has become empty. Rounds after that do nothing:

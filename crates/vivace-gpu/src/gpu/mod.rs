@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 use vivace_kernels::Element;
 
-use crate::list::{HEADER_BYTES, Header, Headers, Indices, N_HEADERS};
+use crate::list::{HEADER_BYTES, Header, HeaderWords, Headers, Indices, N_HEADERS};
 use crate::memory::{Allocation, Buffer, Pool, Purpose, array_bytes};
 use crate::pipeline::Pipelines;
 use crate::recorder::{GROUP, Recorder};
@@ -35,7 +35,7 @@ pub struct Gpu {
     headers: Arc<Headers>,
     header_array: wgpu::Buffer,
     /// All headers as the host last saw them, and how often it has looked.
-    seen: RefCell<Vec<[u32; 4]>>,
+    seen: RefCell<Vec<HeaderWords>>,
     n_looks: Cell<u64>,
     grids: Grids,
     lost: Arc<OnceLock<String>>,
@@ -243,9 +243,14 @@ impl Gpu {
 
     /// A list with room for `capacity` indices, nothing in it yet.
     fn list(&self, capacity: usize) -> Result<Arc<Indices>, GpuError> {
-        let memory = self.work(array_bytes::<u32>(capacity))?;
+        let memory = Arc::new(self.work(array_bytes::<u32>(capacity))?);
+        self.list_in(&memory, capacity)
+    }
+
+    /// A list in memory that it may share.
+    fn list_in(&self, memory: &Arc<Allocation>, capacity: usize) -> Result<Arc<Indices>, GpuError> {
         let header = self.headers.take(self.n_looks.get())?;
-        Ok(Arc::new(Indices { memory, capacity, header }))
+        Ok(Arc::new(Indices { memory: memory.clone(), capacity, header }))
     }
 
     /// Begins to copy an array to the host, as it is after all that was recorded so far, which is handed over to the device. The
@@ -296,6 +301,13 @@ impl Gpu {
         (header.n_looks < self.n_looks.get()).then(|| self.seen.borrow()[header.place as usize][3])
     }
 
+    /// Where a list begins in its memory, and its length.
+    fn extent(&self, list: &Indices) -> Result<[u32; 2], GpuError> {
+        let len = self.len(list)?;
+        let first = if len == 0 { 0 } else { self.seen.borrow()[list.header.place as usize][4] };
+        Ok([first, len])
+    }
+
     /// The length of a list. Waits for the device if the host has not looked since the list was made.
     fn len(&self, list: &Indices) -> Result<u32, GpuError> {
         if list.capacity == 0 {
@@ -327,6 +339,11 @@ pub(crate) fn decisions_bytes(capacity: usize) -> u64 {
 /// Bytes of where the items of an expansion go: 258 words a group, as in `places.wgsl`.
 pub(crate) fn places_bytes(capacity: usize) -> u64 {
     array_bytes::<[u32; GROUP + 2]>(capacity.div_ceil(GROUP))
+}
+
+/// Bytes of the counts of a sort: one for each group and key.
+pub(crate) fn counts_bytes(n: usize, n_keys: u32) -> u64 {
+    array_bytes::<u32>(n.div_ceil(GROUP) * n_keys as usize)
 }
 
 /// The most bytes of an array: what the device can bind, as long as its words have 32-bit indices, and in whole steps of the pool.

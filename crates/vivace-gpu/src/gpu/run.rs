@@ -4,13 +4,16 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
-use vivace_kernels::{Element, Expand, Inputs, Kernel, ListShader, Select, Shader, ViewVisitor, Views};
+use vivace_kernels::{
+    Element, Expand, Inputs, Kernel, ListShader, MOST_KEYS, PARAMS_BYTES, Params, Select, Shader,
+    ViewVisitor, Views,
+};
 
-use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, decisions_bytes, places_bytes};
+use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, counts_bytes, decisions_bytes, places_bytes};
 use crate::list::{Elements, HEADER_BYTES, Indices};
 use crate::memory::{Allocation, Buffer, GpuMemory, array_bytes};
 use crate::pipeline::{Pipeline, UNIFORM_BYTES};
-use crate::recorder::{GROUP, Grid};
+use crate::recorder::{GROUP, Grid, Uniform, uniform_binding};
 use crate::{GpuError, Grids, List};
 
 /// Elements that an invocation updates in order, as in `update_in_order.wgsl`.
@@ -41,6 +44,8 @@ enum Bound<'a> {
     Array(&'a wgpu::Buffer, u64),
     /// The uniforms, at an offset that comes with the dispatch.
     Uniform,
+    /// Uniforms that the device has made, likewise.
+    Found(&'a wgpu::Buffer),
 }
 
 /// The arrays that a kernel writes.
@@ -86,7 +91,13 @@ impl<'a> ViewVisitor<'a, GpuMemory> for Binder<'a> {
 
 impl Gpu {
     /// Records one dispatch that binds `groups`.
-    fn dispatch(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>], uniforms: [&[u8]; 2], grid: Grid<'_>) {
+    fn dispatch(
+        &self,
+        pipeline: &Pipeline,
+        groups: &[Vec<Bound<'_>>],
+        uniforms: [Uniform<'_>; 2],
+        grid: Grid<'_>,
+    ) {
         let bytes = groups.iter().map(|group| self.bytes(group)).sum();
         let groups = self.bind(pipeline, groups);
         self.recorder.borrow_mut().dispatch(pipeline, &groups, uniforms, grid, bytes);
@@ -96,6 +107,7 @@ impl Gpu {
     fn bind(&self, pipeline: &Pipeline, groups: &[Vec<Bound<'_>>]) -> Vec<wgpu::BindGroup> {
         let arrays = groups.iter().flatten().filter_map(|bound| match *bound {
             Bound::Array(buffer, bytes) => Some((buffer.clone(), bytes)),
+            Bound::Found(buffer) => Some((buffer.clone(), 0)),
             Bound::Uniform => None,
         });
         let key = (pipeline.pipeline.clone(), arrays.collect());
@@ -120,6 +132,7 @@ impl Gpu {
                             size: wgpu::BufferSize::new(if bytes == 0 { EMPTY_BYTES } else { bytes }),
                         }),
                         Bound::Uniform => recorder.uniform_binding(),
+                        Bound::Found(buffer) => uniform_binding(buffer),
                     },
                 })
                 .collect();
@@ -133,7 +146,7 @@ impl Gpu {
     fn bytes(&self, bound: &[Bound<'_>]) -> f64 {
         let bytes = |bound: &Bound<'_>| match *bound {
             Bound::Array(buffer, bytes) if *buffer != self.header_array => bytes as f64,
-            Bound::Array(..) | Bound::Uniform => 0.0,
+            Bound::Array(..) | Bound::Uniform | Bound::Found(_) => 0.0,
         };
         bound.iter().map(bytes).sum()
     }
@@ -162,13 +175,14 @@ impl Gpu {
         &self,
         shader: &Shader,
         list: &Elements,
-        uniform: &K::Uniform,
+        params: Params<'_, Self, K::Uniform>,
         inputs: Views<'_, K, GpuMemory>,
         written: Written<'_>,
         decisions: Option<Bound<'_>>,
         value: u32,
     ) -> Result<(), GpuError> {
         const { assert!(size_of::<K::Uniform>() <= UNIFORM_BYTES, "a uniform has 256 bytes at most") };
+        const { assert!(PARAMS_BYTES == UNIFORM_BYTES, "where the device finds them, too") };
         let mut own =
             Binder { bound: Vec::with_capacity(K::Inputs::LEN + written.arrays.len()), failed: None };
         K::Inputs::visit(inputs, &mut own);
@@ -185,7 +199,14 @@ impl Gpu {
                 (self.bound_headers(), Run { list: RANGE, first, len, ..Run::zeroed() })
             }
         };
-        let mut run = vec![self.bound_headers(), bound, Bound::Uniform, Bound::Uniform];
+        let (bound_params, params) = match params {
+            Params::Known(params) => (Bound::Uniform, Uniform::Bytes(bytemuck::bytes_of(params))),
+            Params::Found(array, idx) => {
+                let offset = u32::try_from(array_bytes::<K::Uniform>(idx)).unwrap_or(u32::MAX);
+                (Bound::Found(array.raw()?), Uniform::At(offset))
+            }
+        };
+        let mut run = vec![self.bound_headers(), bound, Bound::Uniform, bound_params];
         run.extend(decisions);
         let share = (list.capacity() as f64 / written.len.max(1) as f64).min(1.0);
         let bytes = share * self.bytes(&own) + self.bytes(&run);
@@ -193,7 +214,7 @@ impl Gpu {
         let groups = self.bind(&pipeline, &[run, own]);
         let dispatch = |value: u32, grid: Grid<'_>| {
             let run = Run { value, ..over };
-            let uniforms = [bytemuck::bytes_of(&run), bytemuck::bytes_of(uniform)];
+            let uniforms = [Uniform::Bytes(bytemuck::bytes_of(&run)), params];
             self.recorder.borrow_mut().dispatch(&pipeline, &groups, uniforms, grid, bytes);
         };
         if shader.form.is_in_order() {
@@ -213,12 +234,12 @@ impl Gpu {
         &self,
         shader: &Shader,
         list: &List,
-        uniform: &K::Uniform,
+        params: Params<'_, Self, K::Uniform>,
         inputs: Views<'_, K, GpuMemory>,
         output: &mut Buffer<T>,
     ) {
         let written = list.state().and_then(|list| {
-            self.run::<K>(shader, list, uniform, inputs, Written::one(&output.bound()?, output.len), None, 0)
+            self.run::<K>(shader, list, params, inputs, Written::one(&output.bound()?, output.len), None, 0)
         });
         if let Err(error) = written {
             output.memory = Err(error);
@@ -230,14 +251,14 @@ impl Gpu {
         &self,
         shader: &Shader,
         list: &List,
-        uniform: &K::Uniform,
+        params: Params<'_, Self, K::Uniform>,
         inputs: Views<'_, K, GpuMemory>,
         first: &mut Buffer<T>,
         second: &mut Buffer<U>,
     ) {
         let written = list.state().and_then(|list| {
             let written = Written { arrays: &[first.bound()?, second.bound()?], len: second.len };
-            self.run::<K>(shader, list, uniform, inputs, written, None, 0)
+            self.run::<K>(shader, list, params, inputs, written, None, 0)
         });
         if let Err(error) = written {
             first.memory = Err(error.clone());
@@ -261,14 +282,14 @@ impl Gpu {
         let (elements, shader) = (Elements::Listed(list.clone()), Shader::select::<K>());
         let bound = output.bound()?;
         let written = Written::one(&bound, output.len);
-        self.run::<K>(&shader, &elements, uniform, inputs, written, Some(decisions), 0)?;
+        self.run::<K>(&shader, &elements, uniform.into(), inputs, written, Some(decisions), 0)?;
         let places = Run {
             list: list.header.place,
             kept: kept.header.place,
             selected: selected.header.place,
             ..Run::zeroed()
         };
-        let uniforms = [bytemuck::bytes_of(&places), &[]];
+        let uniforms = [Uniform::Bytes(bytemuck::bytes_of(&places)), Uniform::NONE];
         let scan = self.pipelines.list(&self.device, ListShader::Scan);
         let groups = [vec![self.bound_headers(), decisions, Bound::Uniform]];
         self.dispatch(&scan, &groups, uniforms, Grid::Groups(1));
@@ -297,7 +318,7 @@ impl Gpu {
         let found = self.list(items.len)?;
         let (shader, bound) = (Shader::expand::<K>(), items.bound()?);
         let written = Written::one(&bound, items.len);
-        self.run::<K>(&shader, elements, uniform, inputs, written, Some(places), 0)?;
+        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some(places), 0)?;
         let (value, selected) = (u32::try_from(items.len).unwrap_or(u32::MAX), found.header.place);
         let run = match elements {
             Elements::Listed(list) => Run { list: list.header.place, value, selected, ..Run::zeroed() },
@@ -306,15 +327,45 @@ impl Gpu {
                 Run { list: RANGE, len, value, selected, ..Run::zeroed() }
             }
         };
-        let uniforms = [bytemuck::bytes_of(&run), &[]];
+        let uniforms = [Uniform::Bytes(bytemuck::bytes_of(&run)), Uniform::NONE];
         let place = self.pipelines.list(&self.device, ListShader::Place);
         let groups = [vec![self.bound_headers(), places, Bound::Uniform, counts.bound()?]];
         self.dispatch(&place, &groups, uniforms, Grid::Groups(1));
-        self.run::<K>(&shader, elements, uniform, inputs, written, Some(places), 1)?;
+        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some(places), 1)?;
         let number = self.pipelines.list(&self.device, ListShader::Number);
         let groups = [vec![self.bound_headers(), found.bound(), Bound::Uniform]];
         self.dispatch(&number, &groups, uniforms, self.grid(&Elements::Listed(found.clone())));
         Ok(found)
+    }
+
+    /// The lists of a sort, in memory that they share.
+    pub(super) fn try_group_by(
+        &self,
+        keys: &Buffer<u32>,
+        n_keys: u32,
+    ) -> Result<Vec<Arc<Indices>>, GpuError> {
+        let n_keys = n_keys.min(MOST_KEYS);
+        let memory = Arc::new(self.work(array_bytes::<u32>(keys.len))?);
+        let lists: Vec<_> = (0..n_keys).map(|_| self.list_in(&memory, keys.len)).collect::<Result<_, _>>()?;
+        let bytes = counts_bytes(keys.len, n_keys);
+        let counts = self.work(bytes)?;
+        let (bound_keys, counts) = (keys.bound()?, Bound::Array(&counts.buffer, bytes));
+        let run = Run { value: words(keys.n_bytes()), len: n_keys, ..Run::zeroed() };
+        let run = Uniform::Bytes(bytemuck::bytes_of(&run));
+        let mut places = [0_u32; MOST_KEYS as usize];
+        places.iter_mut().zip(&lists).for_each(|(place, list)| *place = list.header.place);
+        let places = Uniform::Bytes(bytemuck::bytes_of(&places));
+        let n_groups = keys.len.div_ceil(GROUP);
+        let pipeline = |shader| self.pipelines.list(&self.device, shader);
+        let groups = [vec![bound_keys, counts, Bound::Uniform]];
+        let grid = || Grid::Groups(n_groups);
+        self.dispatch(&pipeline(ListShader::CountKeys), &groups, [run, Uniform::NONE], grid());
+        let groups = [vec![self.bound_headers(), counts, Bound::Uniform, Bound::Uniform]];
+        self.dispatch(&pipeline(ListShader::ScanKeys), &groups, [run, places], Grid::Groups(1));
+        let all = Bound::Array(&memory.buffer, array_bytes::<u32>(keys.len));
+        let groups = [vec![bound_keys, counts, all, Bound::Uniform]];
+        self.dispatch(&pipeline(ListShader::PlaceKeys), &groups, [run, Uniform::NONE], grid());
+        Ok(lists)
     }
 
     pub(super) fn try_filled<T: Element>(&self, len: usize, value: T) -> Result<Allocation, GpuError> {
@@ -328,7 +379,8 @@ impl Gpu {
             let fill = self.pipelines.list(&self.device, ListShader::Fill);
             let groups = [vec![Bound::Array(&memory.buffer, bytes), Bound::Uniform, Bound::Uniform]];
             let grid = Grid::Groups((run.value as usize).div_ceil(GROUP));
-            self.dispatch(&fill, &groups, [bytemuck::bytes_of(&run), &padded], grid);
+            let uniforms = [bytemuck::bytes_of(&run), &padded].map(Uniform::Bytes);
+            self.dispatch(&fill, &groups, uniforms, grid);
         }
         Ok(memory)
     }
@@ -359,7 +411,7 @@ impl Gpu {
         let all = self.pipelines.list(&self.device, ListShader::All);
         let groups = [vec![self.bound_headers(), list.bound(), Bound::Uniform]];
         let grid = Grid::Groups(len.div_ceil(GROUP).max(1));
-        self.dispatch(&all, &groups, [bytemuck::bytes_of(&run), &[]], grid);
+        self.dispatch(&all, &groups, [Uniform::Bytes(bytemuck::bytes_of(&run)), Uniform::NONE], grid);
         Ok(list)
     }
 }

@@ -1,10 +1,11 @@
-//! Smooth unions of round cones and ellipsoids, read from a text of one primitive to a line.
+//! Smooth unions of round cones, ellipsoids and rounded boxes, read from a text of one primitive to a line.
 //!
 //! ```text
 //! # comment
 //! blend K                         radius of the smooth union \[m\]
 //! cone  x0 y0 z0 r0 x1 y1 z1 r1   distance to the segment minus the radius interpolated along it
 //! ellip x y z rx ry rz            |q| (|q| - 1) / |g|,  q = (p - c) / r,  g = q / r
+//! box   x y z hx hy hz r          distance to the box of half edges h - r about (x, y, z), less r
 //! ```
 //!
 //! Primitives are folded in order: t = clamp(1/2 + (d - e) / 2K, 0, 1), d <- d (1 - t) + e t - K t (1 - t).
@@ -13,10 +14,10 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-use super::{Bounds, SignedDistance};
+use super::{Bounds, Cuboid, SignedDistance};
 use crate::MeshError;
 
-/// A smooth union of round cones and ellipsoids.
+/// A smooth union of round cones, ellipsoids and rounded boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blend {
     radius: f64,
@@ -27,6 +28,7 @@ pub struct Blend {
 enum Primitive {
     Cone { start: DVec3, start_radius: f64, axis: DVec3, inv_length_squared: f64, growth: f64 },
     Ellipsoid { center: DVec3, radii: DVec3 },
+    Rounded { core: Cuboid, radius: f64 },
 }
 
 impl SignedDistance for Blend {
@@ -86,6 +88,7 @@ impl Primitive {
                 // At the center the quotient has a limit only along a ray; the nearest surface point is as good as any.
                 if slope > 0.0 { length * (length - 1.0) / slope } else { -radii.min_element() }
             }
+            Self::Rounded { core, radius } => core.value(point) - radius,
         }
     }
 
@@ -101,6 +104,7 @@ impl Primitive {
             Self::Ellipsoid { center, radii } => {
                 Bounds::around(center, radii * (1.0 + margin / radii.min_element()))
             }
+            Self::Rounded { core, radius } => Bounds::around(core.center, core.half_extent + radius + margin),
         }
     }
 
@@ -121,6 +125,7 @@ impl Primitive {
                 let farthest = length + radius / least - 1.0;
                 (signed(nearest, least, most), signed(farthest, most, least))
             }
+            Self::Rounded { .. } => (self.value(at) - radius, self.value(at) + radius),
         }
     }
 }
@@ -142,7 +147,7 @@ impl FromStr for Blend {
             blend.add(word, words).map_err(|problem| MeshError::at(index + 1, problem))?;
         }
         if blend.primitives.is_empty() {
-            return Err(MeshError::Empty { what: "cone and ellip lines" });
+            return Err(MeshError::Empty { what: "cone, ellip and box lines" });
         }
         Ok(blend)
     }
@@ -169,8 +174,22 @@ impl Blend {
                 let (center, radii) = (DVec3::new(x, y, z), DVec3::new(rx, ry, rz));
                 self.primitives.push(Primitive::Ellipsoid { center, radii });
             }
+            "box" => {
+                let [x, y, z, hx, hy, hz, radius] = read(word, numbers)?;
+                check_radii(&[hx, hy, hz])?;
+                let (center, half_extent) = (DVec3::new(x, y, z), DVec3::new(hx, hy, hz));
+                if !(0.0..=half_extent.min_element()).contains(&radius) {
+                    return Err(format!(
+                        "the radius {radius} of the edges is negative or above half an edge; give 0 for sharp ones"
+                    ));
+                }
+                let core = Cuboid { center, half_extent: half_extent - radius };
+                self.primitives.push(Primitive::Rounded { core, radius });
+            }
             _ => {
-                return Err(format!("unknown word '{word}'; begin the line with blend, cone, ellip or #"));
+                return Err(format!(
+                    "unknown word '{word}'; begin the line with blend, cone, ellip, box or #"
+                ));
             }
         }
         Ok(())
@@ -233,6 +252,17 @@ mod tests {
     }
 
     #[test]
+    fn one_rounded_box_by_hand() {
+        let blend: Blend = "box 1 0 0 2 3 4 0.5".parse().unwrap();
+        assert_eq!(blend.value(DVec3::new(4.0, 0.0, 0.0)), 1.0);
+        assert_eq!(blend.value(DVec3::new(1.0, 0.0, 0.0)), -2.0);
+        // From the corner of the core, (2.5, 2.5, 3.5).
+        assert_eq!(blend.value(DVec3::new(2.5, 5.5, 7.5)), 4.5);
+        assert_eq!(blend.bounds(), Bounds::around(DVec3::X, DVec3::new(2.0, 3.0, 4.0)));
+        assert_eq!(blend.range(DVec3::new(4.0, 0.0, 0.0), 0.25), (0.75, 1.25));
+    }
+
+    #[test]
     fn equal_values_blend_by_a_quarter_of_the_radius() {
         let blend: Blend = "blend 0.4\ncone 0 0 0 1 0 0 0 1\ncone 0 0 0 1 0 0 0 1".parse().unwrap();
         assert!((blend.value(DVec3::X) + 0.1).abs() < 1e-15);
@@ -242,11 +272,13 @@ mod tests {
 
     #[test]
     fn lines_are_named() {
-        assert!(problem("# only talk").contains("no cone and ellip lines"));
+        assert!(problem("# only talk").contains("no cone, ellip and box lines"));
         assert!(problem("blend 1\nsphere 1").starts_with("line 2: unknown word 'sphere'"));
         assert!(problem("ellip 0 0 0 1 1").contains("takes 6 numbers, found 5"));
         assert!(problem("ellip 0 0 0 1 1 1 1").contains("remove it"));
         assert!(problem("ellip 0 0 0 1 1 0").contains("not positive"));
+        assert!(problem("box 0 0 0 1 1 1 1.5").contains("above half an edge"));
+        assert!(problem("box 0 0 0 1 0 1 0").contains("not positive"));
         assert!(problem("cone 0 0 zero 1 1 1 1 1").contains("'zero' is not a finite number"));
         assert!(problem("blend nan").contains("not a finite number"));
         assert!(problem("blend -1").contains("negative"));

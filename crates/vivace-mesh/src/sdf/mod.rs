@@ -20,6 +20,8 @@ pub use surface::ClosedSurface;
 pub const DILLO: &str = include_str!("../../shapes/dillo.txt");
 /// The text of a hare that stands in for the Stanford Bunny: read it as a [`Blend`].
 pub const HARE: &str = include_str!("../../shapes/hare.txt");
+/// The text of an armchair, 1.09 m high, that faces +z and stands on y = 0: read it as a [`Blend`].
+pub const ARMCHAIR: &str = include_str!("../../shapes/armchair.txt");
 
 /// A solid given by a function that is negative inside it.
 pub trait SignedDistance {

@@ -5,41 +5,44 @@
 //! there were when a step is reported.
 //!
 //! Contacts come after all other constraints in an iteration, color by color, those with obstacles first, which share no particle. Each
-//! has a multiplier. In Position Based Dynamics they are constraints of XPBD. In Projective Dynamics a contact is solved together with its
-//! particles by their own rows of Y, and its force then moves their anchors: a sweep feels it without knowing of contacts, and where nothing
-//! moves any more, that is the minimum with contacts as energies. So contacts change neither graph nor classes of the vertices; what is colored in each
-//! frame is their own graph.
+//! has a multiplier. In Position Based Dynamics, and in small steps of Projective Dynamics, they are constraints of XPBD. In one step of
+//! Projective Dynamics a contact is solved together with its particles by their own rows of Y, and its force then moves their anchors: a sweep
+//! feels it without knowing of contacts, and where nothing moves any more, that is the minimum with contacts as energies. So contacts change
+//! neither graph nor classes of the vertices; what is colored in each frame is their own graph.
 
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
-use vivace_collision::{Field, Obstacle, Options, Pose, Shape};
+use vivace_collision::{Detector, Field, Obstacle, Options, Pose, Shape};
 use vivace_kernels::collision::{
     Bound, BoundUniform, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, Contact, ContactDepth,
     ContactEnergy, ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue,
     FindValueUniform, Friction, HasColor, HasColorUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut,
-    LEVELS, Meet, MeetSolid, MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, SettleColor,
-    Shorten, ShortenUniform, Solid, SolidShape, SweptBox, SweptBoxUniform, Touch, TouchUniform,
+    LEVELS, Meet, MeetSolid, MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, Renew,
+    RenewUniform, SettleColor, Shorten, ShortenUniform, Solid, SolidShape, SweptBox, SweptBoxUniform, Touch,
+    TouchUniform,
 };
 use vivace_kernels::coloring::{SetValue, SetValueUniform};
-use vivace_kernels::step::{SetVector, SetVectorUniform};
-use vivace_kernels::{Backend, pcg};
+use vivace_kernels::step::{ExtrapolateUniform, SetVector, SetVectorUniform, Watch};
+use vivace_kernels::{Backend, Params, pcg};
 
 use super::history::History;
 use super::sums::Sums;
-use crate::collisions::Collisions;
-use crate::contacts::DELAY;
+use crate::contacts::{DELAY, SmallStep};
 use crate::error::narrow;
+use crate::pbd;
 use crate::{ContactReport, SolverError};
 
-/// Pairs for which there is room: of a vertex or an edge, and in all, which is what a device binds at least.
-const PAIRS: usize = 48;
-const FEWEST_PAIRS: usize = 1 << 19;
+/// Pairs for which there is room at first, of a vertex or an edge, and in all at most: what every device binds.
+const PAIRS: usize = 32;
+const FEWEST_PAIRS: usize = 1 << 12;
 const MOST_PAIRS: usize = 1 << 23;
 /// Contacts for which there is room, in the same way.
-const CONTACTS: usize = 2;
-const FEWEST_CONTACTS: usize = 1 << 12;
+const CONTACTS: usize = 1;
+const FEWEST_CONTACTS: usize = 1 << 10;
 const MOST_CONTACTS: usize = 1 << 20;
+/// What there is more of where something found no room.
+const GROWTH: usize = 2;
 /// Entries of particles' colors for a contact: four in use when all have room.
 const ENTRIES: usize = 8;
 /// Rounds of the coloring.
@@ -69,6 +72,7 @@ pub(super) struct Collider<B: Backend> {
     particles: B::List,
     is_on_surface: B::Buffer<u32>,
     pairs: B::Buffer<[u32; 4]>,
+    n_pairs: usize,
     touching: Set<B>,
     /// Colors drawn, colors, and what particles know of them.
     drawn: B::Buffer<u32>,
@@ -77,18 +81,23 @@ pub(super) struct Collider<B: Backend> {
     n_entries: u32,
     classes: Vec<B::List>,
     solids: Vec<Standing<B>>,
-    /// How far each particle moves under a force, or an impulse, of 1.
-    mobility: B::Buffer<f32>,
+    /// How far each particle moves under an impulse of 1 \[1/kg\], and, in Projective Dynamics, under a force of 1 \[m/N\].
+    inverse_masses: B::Buffer<f32>,
+    inverse_diagonal: Option<B::Buffer<f32>>,
     /// How much stiffer a contact is than what it holds, see [`HoldUniform`].
     stiffness: f32,
-    /// Whether contacts push anchors.
+    /// Whether multipliers are forces, which push anchors.
     pushes: bool,
+    /// Whether the contacts that were found are those of the small step.
+    is_on: bool,
     /// The (small) time step, squared \[s²\], and how often contacts were projected in it.
     squared_h: f32,
     n_sweeps: u32,
     parts: B::Buffer<u32>,
     no_items: B::Buffer<u32>,
     counts: Counts<B>,
+    /// Pairs and contacts that found no room, as last reported.
+    lacking: [usize; 2],
 }
 
 /// How many there were, and how many found no room; and turned bits of the largest depth.
@@ -131,15 +140,14 @@ struct Trees {
 }
 
 impl<B: Backend> Set<B> {
-    fn new(backend: &B, n: u32, pushes: bool) -> Self {
-        let nothing = || backend.filled(n as usize, Vec4::ZERO);
+    fn new(backend: &B, n: u32) -> Self {
         Self {
             list: backend.range(0..0),
             all: backend.range(0..n),
             n,
             contacts: backend.upload(&vec![bytemuck::Zeroable::zeroed(); n as usize]),
-            lambdas: nothing(),
-            pushed: pushes.then(nothing),
+            lambdas: backend.filled(n as usize, Vec4::ZERO),
+            pushed: None,
             history: History::new(backend, n, n),
         }
     }
@@ -165,7 +173,8 @@ impl<B: Backend> Set<B> {
     ) {
         let inputs = (backend.view(&self.contacts), backend.view(mobility));
         backend.scatter::<Hold, 4>(list, uniform, inputs, q, &mut self.lambdas);
-        if let (Some(anchors), Some(pushed)) = (anchors, &mut self.pushed) {
+        if let Some(anchors) = anchors {
+            let pushed = self.pushed.get_or_insert_with(|| backend.filled(self.n as usize, Vec4::ZERO));
             let inputs = (backend.view(&self.contacts), backend.view(&self.lambdas));
             backend.scatter::<Push, 4>(list, &PushUniform { scale: 1.0 }, inputs, anchors, pushed);
         }
@@ -173,12 +182,12 @@ impl<B: Backend> Set<B> {
 }
 
 impl<B: Backend> Standing<B> {
-    fn new(backend: &B, n: u32, pushes: bool) -> Self {
+    fn new(backend: &B, n: u32) -> Self {
         Self {
             solid: bytemuck::Zeroable::zeroed(),
             field: None,
             values: backend.filled(1, 0.0),
-            touching: Set::new(backend, n, pushes),
+            touching: Set::new(backend, n),
         }
     }
 
@@ -293,16 +302,13 @@ fn sorted<const N: usize>(primitives: &[[u32; N]], rest: &[Vec3], bodies: &[usiz
 }
 
 impl<B: Backend> Collider<B> {
-    /// For a system whose particles stand at `place`. Contacts are `stiffness` times as stiff as what they hold; they push anchors where
-    /// there are any.
+    /// For a system whose particles stand at `place`, where they have these inverse masses \[1/kg\].
     pub(super) fn new(
         backend: &B,
-        collisions: &Collisions,
+        detector: &Detector,
         place: &[u32],
-        stiffness: f32,
-        pushes: bool,
+        inverse_masses: &[f32],
     ) -> Result<Self, SolverError> {
-        let detector = collisions.detector();
         let (options, rest) = (*detector.options(), detector.rest());
         // A bit of a particle's number tells pairs of edges.
         let n = narrow("particles", 2 * place.len())? / 2;
@@ -337,7 +343,6 @@ impl<B: Backend> Collider<B> {
         let n_pairs = room(PAIRS, [FEWEST_PAIRS, MOST_PAIRS]);
         let n_contacts = room(CONTACTS, [FEWEST_CONTACTS, MOST_CONTACTS]).min(options.max_contacts);
         let n_contacts = narrow("contacts", n_contacts)?;
-        let n_entries = (ENTRIES * n_contacts as usize).next_power_of_two();
         let mut flags = backend.upload(&is_on_surface);
         let particles = backend.select::<HasColor>(
             &mut backend.all(place.len()),
@@ -346,7 +351,7 @@ impl<B: Backend> Collider<B> {
             &mut flags,
         );
         let counts = || backend.filled(2, 0);
-        let collider = Self {
+        let mut collider = Self {
             options,
             n,
             primitives: backend.upload(&primitives),
@@ -356,17 +361,20 @@ impl<B: Backend> Collider<B> {
             no_drift: backend.filled(1, Vec4::ZERO),
             particles,
             is_on_surface: flags,
-            pairs: backend.filled(n_pairs, [0; 4]),
-            touching: Set::new(backend, n_contacts, pushes),
-            drawn: backend.filled(n_contacts as usize, NO_COLOR),
-            colors: backend.filled(n_contacts as usize, NO_COLOR),
-            entries: backend.filled(n_entries, u32::MAX),
-            n_entries: narrow("entries", n_entries)?,
+            pairs: backend.filled(0, [0; 4]),
+            n_pairs: 0,
+            touching: Set::new(backend, 0),
+            drawn: backend.filled(0, NO_COLOR),
+            colors: backend.filled(0, NO_COLOR),
+            entries: backend.filled(0, u32::MAX),
+            n_entries: 0,
             classes: Vec::new(),
             solids: Vec::new(),
-            mobility: backend.filled(place.len(), 0.0),
-            stiffness,
-            pushes,
+            inverse_masses: backend.upload(inverse_masses),
+            inverse_diagonal: None,
+            stiffness: pbd::CONTACT_STIFFNESS,
+            pushes: false,
+            is_on: false,
             squared_h: 1.0,
             n_sweeps: 0,
             parts: backend.filled(2 * place.len() + 1, u32::MAX),
@@ -379,22 +387,65 @@ impl<B: Backend> Collider<B> {
                 held: counts(),
                 deepest: counts(),
             },
+            lacking: [0; 2],
             trees,
         };
-        let check = || -> Result<(), B::Error> {
-            backend.fetch(&collider.pairs, &mut [])?;
-            backend.fetch(&collider.boxes, &mut [])?;
-            backend.fetch(&collider.touching.contacts, &mut [])?;
-            backend.fetch(&collider.touching.lambdas, &mut [])?;
-            backend.fetch(&collider.entries, &mut [])
-        };
-        check().map_err(device)?;
+        backend.fetch(&collider.boxes, &mut []).map_err(device)?;
+        collider.make_room(backend, n_pairs, n_contacts)?;
         Ok(collider)
     }
 
-    /// How far each particle moves under a force, or an impulse, of 1.
-    pub(super) fn set_mobility(&mut self, backend: &B, mobility: &[f32]) {
-        backend.write(&mut self.mobility, mobility);
+    /// Takes memory for so many pairs and contacts; what was found is gone.
+    fn make_room(&mut self, backend: &B, n_pairs: usize, n_contacts: u32) -> Result<(), SolverError> {
+        if self.n_pairs != n_pairs {
+            self.n_pairs = n_pairs;
+            self.pairs = backend.filled(n_pairs, [0; 4]);
+        }
+        if self.touching.n != n_contacts {
+            let n = n_contacts as usize;
+            let n_entries = (ENTRIES * n).next_power_of_two();
+            self.n_entries = narrow("entries", n_entries)?;
+            self.classes.clear();
+            self.touching = Set::new(backend, n_contacts);
+            self.drawn = backend.filled(n, NO_COLOR);
+            self.colors = backend.filled(n, NO_COLOR);
+            self.entries = backend.filled(n_entries, u32::MAX);
+        }
+        let check = || -> Result<(), B::Error> {
+            backend.fetch(&self.pairs, &mut [])?;
+            backend.fetch(&self.touching.contacts, &mut [])?;
+            backend.fetch(&self.touching.lambdas, &mut [])?;
+            backend.fetch(&self.entries, &mut [])
+        };
+        check().map_err(device)
+    }
+
+    /// Makes room for what found none, as far as there may be any; whether there is more than before.
+    pub(super) fn grow(&mut self, backend: &B) -> Result<bool, SolverError> {
+        let [pairs, contacts] = self.lacking;
+        let more = |now: usize, lacking: usize, most: usize| {
+            if lacking == 0 { now } else { (GROWTH * (now + lacking)).min(most).max(now) }
+        };
+        let n_pairs = more(self.n_pairs, pairs, MOST_PAIRS);
+        let most = MOST_CONTACTS.min(self.options.max_contacts);
+        let n_contacts = narrow("contacts", more(self.touching.n as usize, contacts, most))?;
+        let has_grown = n_pairs > self.n_pairs || n_contacts > self.touching.n;
+        if has_grown {
+            self.make_room(backend, n_pairs, n_contacts)?;
+        }
+        Ok(has_grown)
+    }
+
+    /// Takes one over the diagonal of Y \[m/N\], of the particles that are free, which come first.
+    pub(super) fn set_diagonal(&mut self, backend: &B, inverse_diagonal: &[f32]) {
+        let mut all = inverse_diagonal.to_vec();
+        all.resize(self.n as usize, 0.0);
+        backend.write(self.inverse_diagonal.get_or_insert_with(|| backend.filled(all.len(), 0.0)), &all);
+    }
+
+    /// How far each particle moves under a multiplier of 1.
+    fn mobility(&self) -> &B::Buffer<f32> {
+        self.inverse_diagonal.as_ref().filter(|_| self.pushes).unwrap_or(&self.inverse_masses)
     }
 
     /// How many contacts there may be, of each kind: for sums over them.
@@ -411,7 +462,7 @@ impl<B: Backend> Collider<B> {
     }
 
     /// Begins to count anew.
-    pub(super) fn begin_step(&mut self, backend: &B) {
+    fn clear_counts(&mut self, backend: &B) {
         let Counts { pairs, contacts, outside, uncolored, held, .. } = &mut self.counts;
         for counts in [pairs, contacts, outside, uncolored, held] {
             set(backend, 0..2, 0, counts);
@@ -427,10 +478,12 @@ impl<B: Backend> Collider<B> {
         obstacles: &[Obstacle],
     ) -> Result<bool, SolverError> {
         obstacles.iter().enumerate().try_for_each(|(k, obstacle)| obstacle.check(k))?;
+        self.clear_counts(backend);
+        self.is_on = false;
         let is_new = self.solids.len() != obstacles.len();
         self.solids.truncate(obstacles.len());
         while self.solids.len() < obstacles.len() {
-            self.solids.push(Standing::new(backend, self.n, self.pushes));
+            self.solids.push(Standing::new(backend, self.n));
         }
         let Options { thickness, margin, .. } = self.options;
         for (standing, obstacle) in self.solids.iter_mut().zip(obstacles) {
@@ -524,6 +577,31 @@ impl<B: Backend> Collider<B> {
         }));
     }
 
+    /// Takes what was found, for a small step from `before` that was `predicted` to end there \[m\]. Contacts are constraints of XPBD, or energies
+    /// so many times as stiff as what they hold, which push anchors.
+    pub(super) fn take(
+        &mut self,
+        backend: &B,
+        small: SmallStep,
+        energies: Option<f32>,
+        before: &B::Buffer<Vec4>,
+        predicted: &B::Buffer<Vec4>,
+    ) {
+        self.is_on = true;
+        self.pushes = energies.is_some();
+        self.stiffness = energies.unwrap_or(pbd::CONTACT_STIFFNESS);
+        if small.n > 1 {
+            let share = 1.0 / small.n as f32;
+            // They were found for the end of the step.
+            let on = if small.k == 0 { share - 1.0 } else { share };
+            let uniform = RenewUniform { on, share };
+            self.sets_mut().for_each(|set| {
+                let inputs = (backend.view(before), backend.view(predicted));
+                backend.map::<Renew>(&set.list, &uniform, inputs, &mut set.contacts);
+            });
+        }
+    }
+
     /// Forgets the multipliers.
     pub(super) fn begin(&mut self, backend: &B, h: f32) {
         (self.squared_h, self.n_sweeps) = (h * h, 0);
@@ -534,10 +612,12 @@ impl<B: Backend> Collider<B> {
     pub(super) fn relax(
         &mut self,
         backend: &B,
-        omega: f32,
         q: &mut B::Buffer<Vec4>,
         mut anchors: Option<&mut B::Buffer<Vec4>>,
     ) {
+        if !self.is_on {
+            return;
+        }
         self.n_sweeps = self.n_sweeps.saturating_add(1);
         let friction = match self.n_sweeps {
             _ if !self.pushes => Friction::Multiplier,
@@ -545,13 +625,15 @@ impl<B: Backend> Collider<B> {
             _ => Friction::Reach,
         };
         let (compliance, squared_h) = (self.stiffness.recip(), self.squared_h);
-        let uniform = HoldUniform { compliance, omega, friction: friction as u32, squared_h };
-        for Standing { touching, .. } in &mut self.solids {
+        let uniform = HoldUniform { compliance, omega: 1.0, friction: friction as u32, squared_h };
+        let Self { solids, touching, classes, inverse_diagonal, inverse_masses, pushes, .. } = self;
+        let mobility = inverse_diagonal.as_ref().filter(|_| *pushes).unwrap_or(inverse_masses);
+        for Standing { touching, .. } in solids {
             let list = touching.list.clone();
-            touching.relax(backend, &list, &uniform, &self.mobility, q, anchors.as_deref_mut());
+            touching.relax(backend, &list, &uniform, mobility, q, anchors.as_deref_mut());
         }
-        for class in &self.classes {
-            self.touching.relax(backend, class, &uniform, &self.mobility, q, anchors.as_deref_mut());
+        for class in classes {
+            touching.relax(backend, class, &uniform, mobility, q, anchors.as_deref_mut());
         }
     }
 
@@ -559,8 +641,8 @@ impl<B: Backend> Collider<B> {
         self.sets_mut().for_each(|set| set.history.remember(backend, &set.lambdas));
     }
 
-    pub(super) fn extrapolate(&mut self, backend: &B, omega: f32) {
-        self.sets_mut().for_each(|set| set.history.extrapolate(backend, &mut set.lambdas, omega));
+    pub(super) fn extrapolate(&mut self, backend: &B, weight: Params<'_, B, ExtrapolateUniform>) {
+        self.sets_mut().for_each(|set| set.history.extrapolate(backend, &mut set.lambdas, weight));
     }
 
     pub(super) fn save(&mut self, backend: &B) {
@@ -571,12 +653,16 @@ impl<B: Backend> Collider<B> {
         self.sets_mut().for_each(|set| set.history.restore(backend, &mut set.lambdas));
     }
 
+    pub(super) fn follow(&mut self, backend: &B, watch: &B::Buffer<Watch>) {
+        self.sets_mut().for_each(|set| set.history.follow(backend, watch, &mut set.lambdas));
+    }
+
     /// Adds the energy of all contacts \[J\], where multipliers times `scale` are forces \[N\].
     pub(super) fn add_energy(&self, backend: &B, scale: f32, q: &B::Buffer<Vec4>, sums: &mut Sums<B>) {
         let uniform = ContactEnergyUniform { stiffness: self.stiffness * scale };
         for set in self.sets() {
             sums.clear(backend);
-            let inputs = (backend.view(&set.contacts), backend.view(&self.mobility), backend.view(q));
+            let inputs = (backend.view(&set.contacts), backend.view(self.mobility()), backend.view(q));
             backend.map::<ContactEnergy>(&set.list, &uniform, inputs, &mut sums.numbers);
             sums.add(backend, set.n);
         }
@@ -667,12 +753,14 @@ impl<B: Backend> Collider<B> {
         let ([n, no_room], uncolored, outside) = (read(contacts)?, read(uncolored)?[1], read(outside)?[1]);
         let mut turned = [0];
         backend.fetch(deepest, &mut turned)?;
+        let no_pairs = read(pairs)?[1];
+        self.lacking = [no_pairs, no_room];
         let n_contacts = n - uncolored + outside;
         #[expect(clippy::cast_possible_truncation, reason = "depths are f32")]
         let mean_depth = (sums.total(backend)? / n_contacts.max(1) as f64) as f32;
         Ok(ContactReport {
             contacts: n_contacts,
-            left_out: read(pairs)?[1] + no_room + uncolored,
+            left_out: no_pairs + no_room + uncolored,
             held_back: read(held)?[1],
             deepest: f32::from_bits(!turned[0]),
             mean_depth,

@@ -1,30 +1,36 @@
 //! The stages of Projective Dynamics as runs of kernels: see `pd/mod.rs`, of which this is the twin.
 
 use glam::{Vec3, Vec3A, Vec4};
-use vivace_collision::Obstacle;
+use vivace_collision::{Detector, Obstacle};
+use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::pd::{
     Anchor, FusedResidual, LinearResidual, MoveByBlock, MoveByDiagonal, Omega, RelaxFused, RelaxLinear,
     RowEnergy, SpringBlock, SpringPull,
 };
-use vivace_kernels::step::{CopyVector, SquaredDistance, SquaredLength};
+use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SquaredDistance, SquaredLength};
 use vivace_model::{Forces, Model, State};
 
 use super::Solve;
 use super::collide::Collider;
+use super::conjugate_gradient::ConjugateGradient;
 use super::history::History;
 use super::motion::Motion;
 use super::pass::{Pass, Passes};
+use super::recolor::Recolor;
 use super::rows::DeviceRows;
 use super::sums::Sums;
-use crate::collisions::Collisions;
-use crate::contacts::STIFFNESS;
+use super::watch::Watch;
+use crate::contacts::{STIFFNESS, SmallStep};
 use crate::error::narrow;
 use crate::pd::layout::Layout;
 use crate::pd::rows::Rows;
 use crate::pd::{attachments, masses, weigh};
 use crate::stages::TOLERATED_RISE;
-use crate::{Base, ContactReport, Framework, LocalStep, Relaxation, Solver, SolverError, VertexSolve};
+use crate::{
+    Base, ContactReport, Ease, Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverError,
+    StepReport, VertexSolve,
+};
 
 /// How a particle is relaxed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +53,7 @@ pub(super) struct Frame<B: Backend> {
     rows: DeviceRows<B>,
     passes: Vec<Box<dyn Pass<B>>>,
     colors: Vec<B::List>,
+    recolor: Option<Recolor<B>>,
     free: B::List,
     n_free: u32,
     /// Attachments: particle, target, stiffness; and whether the device has not seen the last change of theirs.
@@ -72,14 +79,24 @@ pub(super) struct Frame<B: Backend> {
     contacts: Option<Collider<B>>,
     /// The anchors as contacts push them; none where there are no contacts.
     pushed: Option<B::Buffer<Vec4>>,
+    watch: Watch<B, Omega>,
+    conjugate_gradient: Option<ConjugateGradient<B>>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
 }
 
 impl<B: Backend + 'static> Frame<B> {
     /// Colors the model's graph, lays out the rows of Y, and takes all memory.
-    pub(super) fn new(backend: &B, model: &Model, solver: &Solver) -> Result<Self, SolverError> {
+    pub(super) fn new(
+        backend: &B,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+    ) -> Result<Self, SolverError> {
+        let is_linear_solver = matches!(solver.relaxation, Relaxation::ConjugateGradient { .. });
         let local = match solver.framework {
+            // It needs b apart.
+            _ if is_linear_solver => Local::Split { sweeps: 1 },
             Framework::ProjectiveDynamics { vertex: VertexSolve::Block, .. } => Local::Blocks,
             Framework::ProjectiveDynamics { local: LocalStep::Split { sweeps }, .. } => {
                 Local::Split { sweeps }
@@ -91,14 +108,11 @@ impl<B: Backend + 'static> Frame<B> {
             _ => Base::Latest,
         };
         let graph = model.graph()?;
-        let layout = Layout::new(model, &graph);
+        let layout = Layout::new(model, &graph, colors)?;
         let rows_on_host = Rows::new(model, &graph, &layout);
         let rows = DeviceRows::new(backend, &rows_on_host);
         let passes = Passes::of(backend, model, &layout)?;
         let (n, n_free) = (narrow("particles", model.n_particles())?, narrow("particles", layout.n_free)?);
-        // Particle numbers have 32 bits.
-        #[expect(clippy::cast_possible_truncation, reason = "below n, which is narrow")]
-        let color = |class: &std::ops::Range<usize>| backend.range(class.start as u32..class.end as u32);
         let groups: Vec<u32> = [n_free].into_iter().chain(passes.iter().map(|pass| pass.len())).collect();
         let vectors = |is_used: bool| backend.filled(if is_used { layout.n_free } else { 0 }, Vec4::ZERO);
         let is_split = matches!(local, Local::Split { .. });
@@ -109,7 +123,8 @@ impl<B: Backend + 'static> Frame<B> {
             has_previous_in_place,
             rows_on_host,
             rows,
-            colors: layout.classes.iter().map(color).collect(),
+            colors: ranges(backend, &layout),
+            recolor: None,
             free: backend.range(0..n_free),
             n_free,
             attachments: attachments(model, &layout),
@@ -130,6 +145,8 @@ impl<B: Backend + 'static> Frame<B> {
             groups,
             contacts: None,
             pushed: None,
+            watch: Watch::new(backend),
+            conjugate_gradient: is_linear_solver.then(|| ConjugateGradient::new(backend, n, n_free)),
             failed: None,
             passes,
             layout,
@@ -169,12 +186,13 @@ impl<B: Backend + 'static> Frame<B> {
             self.find_blocks(backend, list);
         }
         let (rows, residuals) = (backend.view(&self.rows.rows), backend.view(&self.residuals));
-        let q = &mut self.motion.q;
+        let (q, omega) = (&mut self.motion.q, &Omega { omega });
+        let omega = self.watch.sweep(omega);
         if self.local == Local::Blocks {
             let inputs = (rows, residuals, backend.view(&self.blocks));
-            backend.map::<MoveByBlock>(list, &Omega { omega }, inputs, q);
+            backend.map::<MoveByBlock>(list, omega, inputs, q);
         } else {
-            backend.map::<MoveByDiagonal>(list, &Omega { omega }, (rows, residuals), q);
+            backend.map::<MoveByDiagonal>(list, omega, (rows, residuals), q);
         }
     }
 
@@ -204,6 +222,23 @@ impl<B: Backend + 'static> Frame<B> {
         self.passes.iter().for_each(|pass| pass.add_to_blocks(backend, list, q, &mut self.blocks));
     }
 
+    /// Adds up the objective \[J\].
+    fn add_objective(&mut self, backend: &B) {
+        let (rows, q) = (&self.rows, &self.motion.q);
+        let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
+        let (springs, anchors) = (backend.view(&rows.springs), backend.view(&self.anchors));
+        let inputs = (of_rows, taps, springs, anchors, backend.view(q));
+        backend.map::<RowEnergy>(&self.free, &(), inputs, &mut self.sums.numbers);
+        self.sums.add(backend, self.n_free);
+        for pass in &self.passes {
+            pass.energies(backend, q, &mut self.sums.numbers);
+            self.sums.add(backend, pass.len());
+        }
+        if let Some(contacts) = self.contacts.as_ref().filter(|_| self.pushed.is_some()) {
+            contacts.add_energy(backend, 1.0, q, &mut self.sums);
+        }
+    }
+
     /// What was added up; not a number where the device fails, which is a rise to the safeguard.
     fn total(&mut self, backend: &B) -> f64 {
         self.sums.total(backend).unwrap_or_else(|error| {
@@ -224,9 +259,31 @@ impl<B: Backend + 'static> Frame<B> {
     }
 }
 
+/// The classes of a layout. Particle numbers have 32 bits.
+fn ranges<B: Backend>(backend: &B, layout: &Layout) -> Vec<B::List> {
+    #[expect(clippy::cast_possible_truncation, reason = "particles, which are counted in 32 bits")]
+    let range = |class: &std::ops::Range<usize>| backend.range(class.start as u32..class.end as u32);
+    layout.classes.iter().map(range).collect()
+}
+
 impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn n_colors(&self) -> usize {
-        self.colors.len()
+        self.recolor.as_ref().map_or(self.colors.len(), Recolor::n_colors)
+    }
+
+    fn set_recoloring(&mut self, backend: &B, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let of = |options| Recolor::new(backend, &self.rows_on_host, &self.layout, options);
+        self.recolor = recoloring.map(of).transpose()?;
+        self.colors = ranges(backend, &self.layout);
+        Ok(())
+    }
+
+    fn recolor(&mut self, backend: &B) {
+        if let Some(recolor) = &mut self.recolor {
+            // What they hold goes to those that come.
+            self.colors.clear();
+            self.colors = recolor.next(backend);
+        }
     }
 
     fn positions(&self) -> (&B::Buffer<Vec4>, &[u32]) {
@@ -248,6 +305,12 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         }
     }
 
+    fn set_attachments(&mut self, model: &Model) -> bool {
+        self.attachments = attachments(model, &self.layout);
+        self.h = 0.0;
+        true
+    }
+
     /// The parameters of a time step `h` \[s\]: inertia and diagonal.
     fn prepare(&mut self, backend: &B, h: f32) -> Result<(), SolverError> {
         if self.h != h {
@@ -260,10 +323,9 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
             self.h = h;
             self.are_targets_new = true;
             if let Some(contacts) = &mut self.contacts {
-                contacts.set_mobility(backend, &self.inverse_diagonal);
+                contacts.set_diagonal(backend, &self.inverse_diagonal);
             }
         }
-        self.contacts.iter_mut().for_each(|contacts| contacts.begin_step(backend));
         if std::mem::take(&mut self.are_targets_new) {
             let holds = self.holds();
             backend.write(&mut self.holds, &holds);
@@ -280,10 +342,14 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.motion.predict(backend, model, &self.layout, forces, h);
     }
 
-    fn set_collisions(&mut self, backend: &B, collisions: Option<&Collisions>) -> Result<(), SolverError> {
-        let of = |collisions| Collider::new(backend, collisions, &self.layout.place, STIFFNESS, true);
-        self.contacts = collisions.map(of).transpose()?;
-        self.pushed = self.contacts.is_some().then(|| backend.filled(self.layout.n_free, Vec4::ZERO));
+    fn place(&mut self, backend: &B, pins: &[(u32, Vec3)]) {
+        self.motion.place(backend, &self.layout, pins);
+    }
+
+    fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError> {
+        let of = |detector| Collider::new(backend, detector, &self.layout.place, &self.motion.inverse_masses);
+        self.contacts = detector.map(of).transpose()?;
+        self.pushed = None;
         // Contacts have to be told the diagonal.
         self.h = 0.0;
         self.fit_sums(backend);
@@ -294,42 +360,58 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.contacts.is_some()
     }
 
-    fn collide(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
+    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
         let Some(contacts) = &mut self.contacts else { return Ok(()) };
+        self.motion.start_step(backend);
         if contacts.detect(backend, &self.motion.before, &self.motion.q, obstacles)? {
             self.fit_sums(backend);
         }
         Ok(())
     }
 
-    fn relax_contacts(&mut self, backend: &B, omega: f32) {
-        if let Some(contacts) = &mut self.contacts {
-            contacts.relax(backend, omega, &mut self.motion.q, self.pushed.as_mut());
+    fn take_contacts(&mut self, backend: &B, small: SmallStep) {
+        let Some(contacts) = &mut self.contacts else { return };
+        // As on the host: what a small step has to push back is little, and the direct step knows no contacts.
+        let is_apart = small.n > 1 || self.conjugate_gradient.is_some();
+        contacts.take(backend, small, (!is_apart).then_some(STIFFNESS), &self.motion.before, &self.motion.q);
+        if !is_apart && self.pushed.is_none() {
+            self.pushed = Some(backend.filled(self.layout.n_free, Vec4::ZERO));
+        } else if is_apart {
+            self.pushed = None;
         }
     }
 
-    fn guard(&mut self, backend: &B) {
+    fn relax_contacts(&mut self, backend: &B) {
         if let Some(contacts) = &mut self.contacts {
-            contacts.guard(backend, &self.motion.before, &mut self.motion.q);
+            contacts.relax(backend, &mut self.motion.q, self.pushed.as_mut());
         }
     }
 
-    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<(), SolverError> {
+    fn guard(&mut self, backend: &B, forces: &Forces, h: f32) {
         if let Some(contacts) = &mut self.contacts {
-            let found = contacts.report(backend, &self.motion.q, &mut self.sums);
-            *report = found.map_err(|error| SolverError::Device(Box::new(error)))?;
+            self.motion.guard(backend, forces, h, |start, q| contacts.guard(backend, start, q));
         }
-        Ok(())
+    }
+
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(false) };
+        let found = contacts.report(backend, &self.motion.q, &mut self.sums);
+        *report = found.map_err(|error| SolverError::Device(Box::new(error)))?;
+        let has_grown = contacts.grow(backend)?;
+        if has_grown {
+            self.fit_sums(backend);
+        }
+        Ok(has_grown)
     }
 
     /// Makes anchors of what was predicted.
     fn begin(&mut self, backend: &B, h: f32) {
         let inputs = (backend.view(&self.motion.q), backend.view(&self.holds));
         backend.map::<Anchor>(&self.free, &(), inputs, &mut self.anchors);
-        if let (Some(contacts), Some(pushed)) = (&mut self.contacts, &mut self.pushed) {
+        if let Some(pushed) = &mut self.pushed {
             backend.map::<CopyVector>(&self.free, &(), (backend.view(&self.anchors),), pushed);
-            contacts.begin(backend, h);
         }
+        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend, h));
         // All other relaxations remember before they extrapolate.
         if self.has_previous_in_place {
             self.history.begin(backend, &self.motion.q);
@@ -360,14 +442,16 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
         let anchors = self.pushed.as_ref().unwrap_or(&self.anchors);
         let (anchors, list) = (backend.view(anchors), &self.colors[color]);
+        let known = &Omega { omega };
+        let params = self.watch.sweep(known);
         match self.local {
             Local::Split { .. } => {
                 let inputs = (of_rows, taps, anchors, backend.view(&self.pulls));
-                backend.update::<RelaxLinear>(list, &Omega { omega }, inputs, q);
+                backend.update::<RelaxLinear>(list, params, inputs, q);
             }
             Local::Fused if self.passes.is_empty() => {
                 let inputs = (of_rows, taps, backend.view(&rows.pulls), anchors);
-                backend.update::<RelaxFused>(list, &Omega { omega }, inputs, q);
+                backend.update::<RelaxFused>(list, params, inputs, q);
             }
             Local::Fused | Local::Blocks => {
                 let list = list.clone();
@@ -380,7 +464,9 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         let list = self.colors[color].clone();
         backend.map::<CopyVector>(&list, &(), (backend.view(&self.motion.q),), &mut self.latest);
         self.relax_color(backend, color, 1.0);
-        self.history.extrapolate_some(backend, &list, &mut self.motion.q, omega);
+        let weight = &ExtrapolateUniform { omega };
+        let weight = self.watch.extrapolation(weight);
+        self.history.extrapolate_some(backend, &list, &mut self.motion.q, weight);
         self.history.set_previous(backend, &list, &self.latest);
     }
 
@@ -399,19 +485,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     }
 
     fn objective(&mut self, backend: &B) -> f64 {
-        let (rows, q) = (&self.rows, &self.motion.q);
-        let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let (springs, anchors) = (backend.view(&rows.springs), backend.view(&self.anchors));
-        let inputs = (of_rows, taps, springs, anchors, backend.view(q));
-        backend.map::<RowEnergy>(&self.free, &(), inputs, &mut self.sums.numbers);
-        self.sums.add(backend, self.n_free);
-        for pass in &self.passes {
-            pass.energies(backend, q, &mut self.sums.numbers);
-            self.sums.add(backend, pass.len());
-        }
-        if let Some(contacts) = &self.contacts {
-            contacts.add_energy(backend, 1.0, q, &mut self.sums);
-        }
+        self.add_objective(backend);
         self.total(backend)
     }
 
@@ -436,6 +510,16 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.motion.update_velocities(backend, forces, h);
     }
 
+    fn solve_by_conjugate_gradient(&mut self, backend: &B, preconditioner: Preconditioner, inner: u32) {
+        let free = self.free.clone();
+        self.linear_residuals(backend, &free);
+        if let Some(solver) = &mut self.conjugate_gradient {
+            let system = (&self.rows, &self.anchors, &*self.colors);
+            let (residuals, q) = (&mut self.residuals, &mut self.motion.q);
+            solver.solve(backend, system, preconditioner, inner, residuals, q);
+        }
+    }
+
     // `check` lets it come to Position Based Dynamics alone.
     fn relax_in_order(&mut self, _: &B, _: f32) {}
 
@@ -445,8 +529,10 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
-        self.history.extrapolate(backend, &mut self.motion.q, omega);
-        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, omega));
+        let weight = &ExtrapolateUniform { omega };
+        let weight = self.watch.extrapolation(weight);
+        self.history.extrapolate(backend, &mut self.motion.q, weight);
+        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, weight));
     }
 
     fn tolerated_rise(&self) -> f64 {
@@ -461,5 +547,35 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
         self.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
+    }
+
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
+        self.watch.begin(backend, of, ease, 0.0, |omega| Omega { omega });
+        self.save(backend);
+        self.look(backend, 0, false);
+    }
+
+    fn turn(&mut self, k: u32) {
+        self.watch.turn(k);
+    }
+
+    fn look(&mut self, backend: &B, k: u32, is_last: bool) {
+        self.add_objective(backend);
+        let rise = self.tolerated_rise();
+        self.watch.look(backend, &mut self.sums, k, is_last, rise);
+        if k > 0 {
+            self.history.follow(backend, self.watch.known(), &mut self.motion.q);
+            self.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
+        }
+    }
+
+    fn learn(&mut self, backend: &B, ease: &mut Ease, report: &mut StepReport) {
+        if let Err(error) = self.watch.learn(backend, ease, report) {
+            self.failed = Some(SolverError::Device(Box::new(error)));
+        }
+    }
+
+    fn forget(&mut self) {
+        self.watch.forget();
     }
 }

@@ -1,8 +1,10 @@
 //! Earlier positions on a device: see `crate::history`, of which this is the twin.
 
 use glam::Vec4;
-use vivace_kernels::Backend;
-use vivace_kernels::step::{CopyVector, Extrapolate, ExtrapolateUniform};
+use vivace_kernels::step::{
+    CopyVector, CopyVectorWhere, CopyVectorWhereUniform, Extrapolate, ExtrapolateUniform, Watch,
+};
+use vivace_kernels::{Backend, Params};
 
 /// Earlier positions.
 pub(super) struct History<B: Backend> {
@@ -39,18 +41,28 @@ impl<B: Backend> History<B> {
         self.is_extrapolated = false;
     }
 
-    pub(super) fn extrapolate(&mut self, backend: &B, q: &mut B::Buffer<Vec4>, omega: f32) {
-        if omega != 1.0 {
-            self.extrapolate_some(backend, &self.free, q, omega);
+    pub(super) fn extrapolate(
+        &mut self,
+        backend: &B,
+        q: &mut B::Buffer<Vec4>,
+        weight: Params<'_, B, ExtrapolateUniform>,
+    ) {
+        if !matches!(weight, Params::Known(&ExtrapolateUniform { omega: 1.0 })) {
+            self.extrapolate_some(backend, &self.free, q, weight);
         }
         std::mem::swap(&mut self.previous, &mut self.remembered);
         self.is_extrapolated = true;
     }
 
     /// `previous + omega · (q − previous)` of some particles.
-    pub(super) fn extrapolate_some(&self, backend: &B, list: &B::List, q: &mut B::Buffer<Vec4>, omega: f32) {
-        let uniform = ExtrapolateUniform { omega };
-        backend.map::<Extrapolate>(list, &uniform, (backend.view(&self.previous),), q);
+    pub(super) fn extrapolate_some(
+        &self,
+        backend: &B,
+        list: &B::List,
+        q: &mut B::Buffer<Vec4>,
+        weight: Params<'_, B, ExtrapolateUniform>,
+    ) {
+        backend.map::<Extrapolate>(list, weight, (backend.view(&self.previous),), q);
     }
 
     /// Sets the previous positions of some particles.
@@ -71,5 +83,16 @@ impl<B: Backend> History<B> {
         backend.map::<CopyVector>(&self.all, &(), (backend.view(&self.saved),), q);
         backend.map::<CopyVector>(&self.all, &(), (backend.view(&self.saved),), &mut self.previous);
         self.is_extrapolated = false;
+    }
+
+    /// Saves or restores, as the last look has decided.
+    pub(super) fn follow(&mut self, backend: &B, watch: &B::Buffer<Watch>, q: &mut B::Buffer<Vec4>) {
+        let Self { all, saved, previous, .. } = self;
+        let inputs = (backend.view(watch), backend.view(q));
+        backend.map::<CopyVectorWhere>(all, &CopyVectorWhereUniform { is_back: 0 }, inputs, saved);
+        for to in [q, previous] {
+            let inputs = (backend.view(watch), backend.view(saved));
+            backend.map::<CopyVectorWhere>(all, &CopyVectorWhereUniform { is_back: 1 }, inputs, to);
+        }
     }
 }

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use glam::{Vec3, Vec4};
 use vivace_graph::Csr;
-use vivace_kernels::Backend;
 use vivace_kernels::constraint::{Constraint, Xpbd};
 use vivace_kernels::local::{Correct, Gather, Moves, Multiply, XpbdEnergy, XpbdGradient};
-use vivace_kernels::step::{SetVector, SetVectorUniform};
+use vivace_kernels::step::{ExtrapolateUniform, SetVector, SetVectorUniform, Watch};
+use vivace_kernels::{Backend, Params};
 use vivace_model::{KindVisitor, Model, Store};
 
 use super::history::History;
@@ -25,17 +25,19 @@ pub(super) trait Kind<B: Backend>: Send {
     fn prepare(&mut self, backend: &B);
     /// Multipliers go where positions go: see [`Stages`](crate::Stages).
     fn remember(&mut self, backend: &B);
-    fn extrapolate(&mut self, backend: &B, omega: f32);
+    fn extrapolate(&mut self, backend: &B, weight: Params<'_, B, ExtrapolateUniform>);
     fn save(&mut self, backend: &B);
     fn restore(&mut self, backend: &B);
+    /// Saves or restores, as the last look has decided.
+    fn follow(&mut self, backend: &B, watch: &B::Buffer<Watch>);
     /// Forgets the multipliers: a time step begins.
     fn begin(&mut self, backend: &B);
     /// Projects the constraints of one color, all at once.
-    fn relax_color(&mut self, backend: &B, color: usize, xpbd: &Xpbd, q: &mut B::Buffer<Vec4>);
+    fn relax_color(&mut self, backend: &B, color: usize, xpbd: Params<'_, B, Xpbd>, q: &mut B::Buffer<Vec4>);
     /// Projects all constraints in the model's order.
     fn relax_in_order(&mut self, backend: &B, xpbd: &Xpbd, q: &mut B::Buffer<Vec4>);
     /// What every constraint would do from the same q, over the number of constraints of its busiest particle; its multipliers after it.
-    fn find_moves(&mut self, backend: &B, xpbd: &Xpbd, q: &B::Buffer<Vec4>);
+    fn find_moves(&mut self, backend: &B, xpbd: Params<'_, B, Xpbd>, q: &B::Buffer<Vec4>);
     /// Does it.
     fn gather(&self, backend: &B, particles: &B::List, q: &mut B::Buffer<Vec4>);
     /// Adds their energy w C² / 2 \[J\] to `sums`.
@@ -197,8 +199,8 @@ impl<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize> Kind<B> fo
         self.history.remember(backend, &self.lambdas);
     }
 
-    fn extrapolate(&mut self, backend: &B, omega: f32) {
-        self.history.extrapolate(backend, &mut self.lambdas, omega);
+    fn extrapolate(&mut self, backend: &B, weight: Params<'_, B, ExtrapolateUniform>) {
+        self.history.extrapolate(backend, &mut self.lambdas, weight);
     }
 
     fn save(&mut self, backend: &B) {
@@ -209,13 +211,17 @@ impl<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize> Kind<B> fo
         self.history.restore(backend, &mut self.lambdas);
     }
 
+    fn follow(&mut self, backend: &B, watch: &B::Buffer<Watch>) {
+        self.history.follow(backend, watch, &mut self.lambdas);
+    }
+
     fn begin(&mut self, backend: &B) {
         let nothing = SetVectorUniform { value: Vec4::ZERO };
         backend.map::<SetVector>(&self.all, &nothing, (), &mut self.lambdas);
         self.history.begin(backend, &self.lambdas);
     }
 
-    fn relax_color(&mut self, backend: &B, color: usize, xpbd: &Xpbd, q: &mut B::Buffer<Vec4>) {
+    fn relax_color(&mut self, backend: &B, color: usize, xpbd: Params<'_, B, Xpbd>, q: &mut B::Buffer<Vec4>) {
         if let Some(list) = &self.colors[color] {
             let inputs = (backend.view(&self.particles), backend.view(&self.rest));
             backend.scatter::<Correct<C, N, R>, N>(list, xpbd, inputs, q, &mut self.lambdas);
@@ -227,7 +233,7 @@ impl<B: Backend, C: Constraint<N, R>, const N: usize, const R: usize> Kind<B> fo
         backend.scatter_in_order::<Correct<C, N, R>, N>(&self.all, xpbd, inputs, q, &mut self.lambdas);
     }
 
-    fn find_moves(&mut self, backend: &B, xpbd: &Xpbd, q: &B::Buffer<Vec4>) {
+    fn find_moves(&mut self, backend: &B, xpbd: Params<'_, B, Xpbd>, q: &B::Buffer<Vec4>) {
         let Self { all, particles, rest, busiest, lambdas, moves, .. } = self;
         let inputs = (
             backend.view(particles),

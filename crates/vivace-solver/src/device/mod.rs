@@ -12,29 +12,39 @@
 //! constraints of each kind, and a dispatch for each kind that has some of it.
 
 mod collide;
+mod conjugate_gradient;
 mod frame;
 mod history;
 mod kind;
 mod motion;
 mod pass;
 mod position_based;
+mod recolor;
 mod rows;
 mod sums;
+mod watch;
 
 use std::any::Any;
 use std::fmt::{self, Debug};
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Vec3, Vec4};
-use vivace_collision::Obstacle;
+use vivace_collision::{Detector, Obstacle};
+use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
+use crate::contacts::SmallStep;
 use crate::engine::Engine;
-use crate::{ContactReport, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages};
+use crate::{
+    ContactReport, Ease, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages, StepReport,
+};
 use frame::Frame;
 use position_based::PositionBased;
+
+/// Iterations of a small step, at most, whose weights are laid out ahead. With more the host looks on the way.
+const MOST_UNSEEN: u32 = 10_000;
 
 /// A device and what it holds.
 struct Device<B: Backend> {
@@ -51,16 +61,25 @@ trait Solve<B: Backend>: Send {
     fn n_sweeps(&self) -> u32 {
         1
     }
+    fn set_recoloring(&mut self, backend: &B, recoloring: Option<Vivace>) -> Result<(), SolverError>;
+    fn recolor(&mut self, backend: &B);
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
+    /// Takes the attachments of `model`, of which nothing else has changed; `false` where that has to be made anew.
+    fn set_attachments(&mut self, _model: &Model) -> bool {
+        false
+    }
     fn prepare(&mut self, backend: &B, h: f32) -> Result<(), SolverError>;
     fn load(&mut self, backend: &B, state: &State);
     fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32);
-    fn set_collisions(&mut self, backend: &B, collisions: Option<&Collisions>) -> Result<(), SolverError>;
+    fn place(&mut self, backend: &B, pins: &[(u32, Vec3)]);
+    fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError>;
     fn has_collisions(&self) -> bool;
-    fn collide(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError>;
-    fn relax_contacts(&mut self, backend: &B, omega: f32);
-    fn guard(&mut self, backend: &B);
-    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<(), SolverError>;
+    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError>;
+    fn take_contacts(&mut self, backend: &B, small: SmallStep);
+    fn relax_contacts(&mut self, backend: &B);
+    fn guard(&mut self, backend: &B, forces: &Forces, h: f32);
+    /// What contacts did in the step; whether some found no room, and there is more now.
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError>;
     fn begin(&mut self, backend: &B, h: f32);
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32);
     fn store(&mut self, backend: &B, model: &Model, state: &mut State) -> Result<(), SolverError>;
@@ -69,6 +88,8 @@ trait Solve<B: Backend>: Send {
     fn relax_color_from_previous(&mut self, backend: &B, color: usize, omega: f32);
     fn relax_all(&mut self, backend: &B, omega: f32);
     fn relax_in_order(&mut self, backend: &B, omega: f32);
+    // Solvers of the linear system come to Projective Dynamics alone.
+    fn solve_by_conjugate_gradient(&mut self, _: &B, _: Preconditioner, _: u32) {}
     fn remember(&mut self, backend: &B);
     fn extrapolate(&mut self, backend: &B, omega: f32);
     fn moved(&mut self, backend: &B) -> f32;
@@ -78,6 +99,11 @@ trait Solve<B: Backend>: Send {
     fn wait(&mut self, backend: &B);
     fn save(&mut self, backend: &B);
     fn restore(&mut self, backend: &B);
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease);
+    fn turn(&mut self, k: u32);
+    fn look(&mut self, backend: &B, k: u32, is_last: bool);
+    fn learn(&mut self, backend: &B, ease: &mut Ease, report: &mut StepReport);
+    fn forget(&mut self);
 }
 
 /// The framework that `solver` asks for.
@@ -85,10 +111,11 @@ fn frame<B: Backend + 'static>(
     backend: &B,
     model: &Model,
     solver: &Solver,
+    colors: &[u32],
 ) -> Result<Box<dyn Solve<B>>, SolverError> {
     check(solver)?;
     Ok(match solver.framework {
-        Framework::ProjectiveDynamics { .. } => Box::new(Frame::new(backend, model, solver)?),
+        Framework::ProjectiveDynamics { .. } => Box::new(Frame::new(backend, model, solver, colors)?),
         Framework::PositionBased => Box::new(PositionBased::new(backend, model, solver.relaxation)?),
     })
 }
@@ -106,7 +133,7 @@ impl<B: Backend + 'static> OnDevice<B> {
     /// # Errors
     /// What no device does; an array that this one does not hold.
     pub(crate) fn new(backend: B, model: &Model, solver: &Solver) -> Result<Self, SolverError> {
-        let frame = frame(&backend, model, solver)?;
+        let frame = frame(&backend, model, solver, &[])?;
         let (n_colors, n_passes) = (frame.n_colors(), frame.n_passes());
         Ok(Self { device: Mutex::new(Device { backend, frame }), n_colors, n_passes })
     }
@@ -135,8 +162,7 @@ fn check(solver: &Solver) -> Result<(), SolverError> {
         Relaxation::Lexicographic { .. } => {
             refused("the lexicographic sweep", "Gauss-Seidel, color by color")
         }
-        Relaxation::ConjugateGradient { .. } => refused("conjugate gradients", "Chebyshev or Gauss-Seidel"),
-        Relaxation::Direct => refused("the direct solver", "Chebyshev or Gauss-Seidel"),
+        Relaxation::Direct => refused("the direct solver", "conjugate gradients, Chebyshev or Gauss-Seidel"),
         _ => Ok(()),
     }
 }
@@ -156,16 +182,52 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         self.n_passes
     }
 
-    fn set_solver(&mut self, model: &Model, solver: &Solver) -> Result<(), SolverError> {
+    fn set_solver(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        *frame = self::frame(backend, model, solver)?;
+        let mut new = self::frame(backend, model, solver, colors)?;
+        if detector.is_some() {
+            new.set_collisions(backend, detector)?;
+        }
+        *frame = new;
         let counts = (frame.n_colors(), frame.n_passes());
         (self.n_colors, self.n_passes) = counts;
         Ok(())
     }
 
+    fn set_recoloring(&mut self, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.set_recoloring(backend, recoloring)?;
+        self.n_colors = self.device().frame.n_colors();
+        Ok(())
+    }
+
+    fn recolor(&mut self) {
+        let Device { backend, frame } = self.device();
+        frame.recolor(backend);
+    }
+
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
         self.device().frame.set_attachment_target(idx, target);
+    }
+
+    fn set_attachments(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError> {
+        if self.device().frame.set_attachments(model) {
+            Ok(())
+        } else {
+            self.set_solver(model, solver, colors, detector)
+        }
     }
 
     fn prepare(&mut self, h: f32) -> Result<(), SolverError> {
@@ -183,29 +245,46 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         frame.predict(backend, model, forces, h);
     }
 
-    fn set_collisions(&mut self, collisions: Option<&Collisions>) -> Result<(), SolverError> {
+    fn place(&mut self, pins: &[(u32, Vec3)]) {
         let Device { backend, frame } = self.device();
-        frame.set_collisions(backend, collisions)
+        frame.place(backend, pins);
     }
 
-    fn collide(
+    fn detect(
         &mut self,
-        _: &Model,
         collisions: &mut Collisions,
         _: f32,
         _: &mut ContactReport,
     ) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        frame.collide(backend, collisions.now())
+        frame.detect(backend, collisions.obstacles())
     }
 
-    fn guard(&mut self, _: &mut Collisions, _: &mut ContactReport) -> Result<(), SolverError> {
+    fn take_contacts(
+        &mut self,
+        _: &Model,
+        _: &Collisions,
+        small: SmallStep,
+        _: &mut ContactReport,
+    ) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        frame.guard(backend);
+        frame.take_contacts(backend, small);
         Ok(())
     }
 
-    fn report_contacts(&mut self, report: &mut ContactReport) -> Result<(), SolverError> {
+    fn guard(
+        &mut self,
+        _: &mut Collisions,
+        forces: &Forces,
+        h: f32,
+        _: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.guard(backend, forces, h);
+        Ok(())
+    }
+
+    fn report_contacts(&mut self, report: &mut ContactReport) -> Result<bool, SolverError> {
         let Device { backend, frame } = self.device();
         frame.report_contacts(backend, report)
     }
@@ -248,7 +327,7 @@ impl<B: Backend + 'static> Stages for Device<B> {
         match color as usize {
             color if color < self.frame.n_colors() => self.frame.relax_color(&self.backend, color, omega),
             // After all other constraints come contacts.
-            _ => self.frame.relax_contacts(&self.backend, omega),
+            _ => self.frame.relax_contacts(&self.backend),
         }
     }
 
@@ -257,24 +336,26 @@ impl<B: Backend + 'static> Stages for Device<B> {
             color if color < self.frame.n_colors() => {
                 self.frame.relax_color_from_previous(&self.backend, color, omega);
             }
-            _ => self.frame.relax_contacts(&self.backend, 1.0),
+            _ => self.frame.relax_contacts(&self.backend),
         }
     }
 
     fn relax_all(&mut self, omega: f32) {
         self.frame.relax_all(&self.backend, omega);
-        self.frame.relax_contacts(&self.backend, 1.0);
+        self.frame.relax_contacts(&self.backend);
     }
 
     fn relax_in_order(&mut self, omega: f32) {
         self.frame.relax_in_order(&self.backend, omega);
-        self.frame.relax_contacts(&self.backend, omega);
+        self.frame.relax_contacts(&self.backend);
     }
 
-    // `check` lets none of these come here.
+    fn solve_by_conjugate_gradient(&mut self, preconditioner: Preconditioner, inner: u32) {
+        self.frame.solve_by_conjugate_gradient(&self.backend, preconditioner, inner);
+        self.frame.relax_contacts(&self.backend);
+    }
 
-    fn solve_by_conjugate_gradient(&mut self, _: Preconditioner, _: u32) {}
-
+    // `check` does not let it come here.
     fn solve_directly(&mut self) {}
 
     fn remember(&mut self) {
@@ -311,5 +392,30 @@ impl<B: Backend + 'static> Stages for Device<B> {
 
     fn wait(&mut self) {
         self.frame.wait(&self.backend);
+    }
+
+    fn watch(&mut self, relaxation: Relaxation, most: u32, ease: Ease) -> bool {
+        // What goes one by one takes its parameters from the host.
+        let decides = !matches!(relaxation, Relaxation::Lexicographic { .. }) && most <= MOST_UNSEEN;
+        if decides {
+            self.frame.watch(&self.backend, (relaxation, most), ease);
+        }
+        decides
+    }
+
+    fn turn(&mut self, k: u32) {
+        self.frame.turn(k);
+    }
+
+    fn look(&mut self, k: u32, is_last: bool) {
+        self.frame.look(&self.backend, k, is_last);
+    }
+
+    fn learn(&mut self, ease: &mut Ease, report: &mut StepReport) {
+        self.frame.learn(&self.backend, ease, report);
+    }
+
+    fn forget(&mut self) {
+        self.frame.forget();
     }
 }

@@ -2,9 +2,10 @@
 
 use glam::{Vec3, Vec4};
 use vivace_kernels::Backend;
+use vivace_kernels::collision::{HeldVelocity, HeldVelocityUniform};
 use vivace_kernels::step::{
-    Blow, BlowUniform, Predict, PredictUniform, SetVector, SetVectorUniform, UpdateVelocity,
-    UpdateVelocityUniform,
+    Blow, BlowUniform, CopyVector, Place, Predict, PredictUniform, SetVector, SetVectorUniform,
+    UpdateVelocity, UpdateVelocityUniform,
 };
 use vivace_model::{Forces, Model, State, Wind};
 
@@ -19,12 +20,16 @@ pub(super) struct Motion<B: Backend> {
     pub(super) q: B::Buffer<Vec4>,
     /// Those at the start of the (small) step \[m\].
     pub(super) before: B::Buffer<Vec4>,
+    /// Those at the start of the whole step, where contacts were looked for \[m\]. Made when they first are.
+    start: Option<B::Buffer<Vec4>>,
     velocities: B::Buffer<Vec4>,
     accelerations: B::Buffer<Vec4>,
     /// What `accelerations` are everywhere, if they are.
     gravity: Option<Vec3>,
     /// The triangles at each particle: made when wind first blows.
     surface: Option<Surface<B>>,
+    /// Where pinned particles go, and 1; 0 where they stay. Made when one first goes.
+    places: Option<B::Buffer<Vec4>>,
     pub(super) inverse_masses: Vec<f32>,
     /// What the host has handed out last, and whether the device still has it.
     stored: State,
@@ -50,10 +55,12 @@ impl<B: Backend> Motion<B> {
             all: backend.range(0..n),
             q: zeros(),
             before: zeros(),
+            start: None,
             velocities: zeros(),
             accelerations: zeros(),
             gravity: Some(Vec3::ZERO),
             surface: None,
+            places: None,
             inverse_masses: layout.order.iter().map(inverse_mass).collect(),
             stored: State { positions: nowhere(), velocities: nowhere() },
             is_stored: false,
@@ -88,6 +95,18 @@ impl<B: Backend> Motion<B> {
         backend.map::<Predict>(&self.all, &PredictUniform { h }, inputs, &mut self.q);
     }
 
+    /// Puts pinned particles elsewhere.
+    pub(super) fn place(&mut self, backend: &B, layout: &Layout, pins: &[(u32, Vec3)]) {
+        let [on_host, _] = &mut self.on_host;
+        on_host.fill(Vec4::ZERO);
+        for &(particle, at) in pins {
+            on_host[layout.place[particle as usize] as usize] = at.extend(1.0);
+        }
+        let places = self.places.get_or_insert_with(|| backend.filled(on_host.len(), Vec4::ZERO));
+        backend.write(places, on_host);
+        backend.update::<Place>(&self.all, &(), (backend.view(places),), &mut self.q);
+    }
+
     fn accelerate(&mut self, backend: &B, model: &Model, layout: &Layout, forces: &Forces, h: f32) {
         let gravity = forces.gravity;
         if let Some(Wind { velocity, drag }) = forces.wind {
@@ -119,6 +138,29 @@ impl<B: Backend> Motion<B> {
         backend.map::<UpdateVelocity>(&self.all, &uniform, inputs, &mut self.velocities);
         self.has_ended = true;
         self.is_stored = false;
+    }
+
+    /// Remembers where the whole step begins: after its end was predicted, before small steps.
+    pub(super) fn start_step(&mut self, backend: &B) {
+        let Self { start, before, all, inverse_masses, .. } = self;
+        let start = start.get_or_insert_with(|| backend.filled(inverse_masses.len(), Vec4::ZERO));
+        backend.map::<CopyVector>(all, &(), (backend.view(before),), start);
+    }
+
+    /// After all small steps of a step of `h` \[s\]: lets `guard` hold back what passes on its way from the start, to where it has come.
+    pub(super) fn guard(
+        &mut self,
+        backend: &B,
+        forces: &Forces,
+        h: f32,
+        guard: impl FnOnce(&B::Buffer<Vec4>, &mut B::Buffer<Vec4>),
+    ) {
+        let Self { start: Some(start), before, q, all, velocities, .. } = self else { return };
+        backend.map::<CopyVector>(all, &(), (backend.view(q),), before);
+        guard(start, q);
+        let inputs = (backend.view(q), backend.view(before), backend.view(start));
+        let uniform = HeldVelocityUniform { scale: (-forces.damping * h).exp() / h };
+        backend.map::<HeldVelocity>(all, &uniform, inputs, velocities);
     }
 
     /// Reads back where the frame has ended.

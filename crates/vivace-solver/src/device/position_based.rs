@@ -2,11 +2,12 @@
 //! order.
 
 use glam::{Vec3, Vec4};
-use vivace_collision::Obstacle;
+use vivace_collision::{Detector, Obstacle};
+use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::constraint::Xpbd;
 use vivace_kernels::pbd::{Inertia, Residual, StepUniform};
-use vivace_kernels::step::{CopyVector, SetVector, SetVectorUniform, SquaredDistance};
+use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SetVector, SetVectorUniform, SquaredDistance};
 use vivace_model::{Forces, Model, State};
 
 use super::Solve;
@@ -15,11 +16,12 @@ use super::history::History;
 use super::kind::{Found, Kind, Kinds};
 use super::motion::Motion;
 use super::sums::Sums;
-use crate::collisions::Collisions;
+use super::watch::Watch;
+use crate::contacts::SmallStep;
 use crate::error::narrow;
-use crate::pbd::{CONTACT_STIFFNESS, TOLERATED_RISE};
+use crate::pbd::TOLERATED_RISE;
 use crate::pd::layout::Layout;
-use crate::{ContactReport, Relaxation, SolverError};
+use crate::{ContactReport, Ease, Relaxation, SolverError, StepReport};
 
 /// A model prepared for Position Based Dynamics on a device, and all that changes in a frame.
 pub(super) struct PositionBased<B: Backend> {
@@ -37,6 +39,7 @@ pub(super) struct PositionBased<B: Backend> {
     groups: Vec<u32>,
     sums: Sums<B>,
     contacts: Option<Collider<B>>,
+    watch: Watch<B, Xpbd>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
 }
@@ -62,6 +65,7 @@ impl<B: Backend + 'static> PositionBased<B> {
             sums: Sums::new(backend, &groups),
             groups,
             contacts: None,
+            watch: Watch::new(backend),
             failed: None,
             layout,
         };
@@ -81,6 +85,21 @@ impl<B: Backend + 'static> PositionBased<B> {
 
     fn step(&self) -> StepUniform {
         StepUniform { squared_h: self.squared_h }
+    }
+
+    /// Adds up the objective \[J\].
+    fn add_objective(&mut self, backend: &B) {
+        let step = self.step();
+        let Self { motion, sums, .. } = self;
+        let inputs = (backend.view(&self.predicted), backend.view(&motion.q));
+        backend.map::<Inertia>(&self.particles, &step, inputs, &mut sums.numbers);
+        sums.add(backend, self.n);
+        for kind in &self.kinds {
+            kind.add_energy(backend, &motion.q, sums);
+        }
+        if let Some(contacts) = &self.contacts {
+            contacts.add_energy(backend, 1.0 / self.squared_h, &motion.q, sums);
+        }
     }
 
     /// What was added up; not a number where the device fails, which is a rise to the safeguard.
@@ -122,12 +141,18 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.kinds.len()
     }
 
+    fn set_recoloring(&mut self, _: &B, recoloring: Option<Vivace>) -> Result<(), SolverError> {
+        let why = "Position Based Dynamics keeps constraints color by color";
+        recoloring.map_or(Ok(()), |_| Err(SolverError::NoRecoloring { why }))
+    }
+
+    fn recolor(&mut self, _: &B) {}
+
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
         self.kinds.iter_mut().for_each(|kind| kind.set_attachment_target(idx, target));
     }
 
     fn prepare(&mut self, backend: &B, _: f32) -> Result<(), SolverError> {
-        self.contacts.iter_mut().for_each(|contacts| contacts.begin_step(backend));
         self.kinds.iter_mut().for_each(|kind| kind.prepare(backend));
         Ok(())
     }
@@ -141,13 +166,13 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.motion.predict(backend, model, &self.layout, forces, h);
     }
 
-    fn set_collisions(&mut self, backend: &B, collisions: Option<&Collisions>) -> Result<(), SolverError> {
-        let of =
-            |collisions| Collider::new(backend, collisions, &self.layout.place, CONTACT_STIFFNESS, false);
-        self.contacts = collisions.map(of).transpose()?;
-        if let Some(contacts) = &mut self.contacts {
-            contacts.set_mobility(backend, &self.motion.inverse_masses);
-        }
+    fn place(&mut self, backend: &B, pins: &[(u32, Vec3)]) {
+        self.motion.place(backend, &self.layout, pins);
+    }
+
+    fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError> {
+        let of = |detector| Collider::new(backend, detector, &self.layout.place, &self.motion.inverse_masses);
+        self.contacts = detector.map(of).transpose()?;
         self.fit_sums(backend);
         Ok(())
     }
@@ -156,31 +181,41 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.contacts.is_some()
     }
 
-    fn collide(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
+    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
         let Some(contacts) = &mut self.contacts else { return Ok(()) };
+        self.motion.start_step(backend);
         if contacts.detect(backend, &self.motion.before, &self.motion.q, obstacles)? {
             self.fit_sums(backend);
         }
         Ok(())
     }
 
-    fn relax_contacts(&mut self, backend: &B, omega: f32) {
+    fn take_contacts(&mut self, backend: &B, small: SmallStep) {
         if let Some(contacts) = &mut self.contacts {
-            contacts.relax(backend, omega, &mut self.motion.q, None);
+            contacts.take(backend, small, None, &self.motion.before, &self.motion.q);
         }
     }
 
-    fn guard(&mut self, backend: &B) {
+    fn relax_contacts(&mut self, backend: &B) {
         if let Some(contacts) = &mut self.contacts {
-            contacts.guard(backend, &self.motion.before, &mut self.motion.q);
+            contacts.relax(backend, &mut self.motion.q, None);
         }
     }
 
-    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<(), SolverError> {
+    fn guard(&mut self, backend: &B, forces: &Forces, h: f32) {
         if let Some(contacts) = &mut self.contacts {
-            *report = contacts.report(backend, &self.motion.q, &mut self.sums).map_err(failure)?;
+            self.motion.guard(backend, forces, h, |start, q| contacts.guard(backend, start, q));
         }
-        Ok(())
+    }
+
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(false) };
+        *report = contacts.report(backend, &self.motion.q, &mut self.sums).map_err(failure)?;
+        let has_grown = contacts.grow(backend)?;
+        if has_grown {
+            self.fit_sums(backend);
+        }
+        Ok(has_grown)
     }
 
     fn begin(&mut self, backend: &B, h: f32) {
@@ -205,8 +240,9 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
 
     fn relax_color(&mut self, backend: &B, color: usize, omega: f32) {
         let xpbd = self.xpbd(omega);
+        let params = self.watch.sweep(&xpbd);
         for kind in &mut self.kinds {
-            kind.relax_color(backend, color, &xpbd, &mut self.motion.q);
+            kind.relax_color(backend, color, params, &mut self.motion.q);
         }
     }
 
@@ -222,8 +258,9 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
 
     fn relax_all(&mut self, backend: &B, omega: f32) {
         let xpbd = self.xpbd(omega);
+        let params = self.watch.sweep(&xpbd);
         for kind in &mut self.kinds {
-            kind.find_moves(backend, &xpbd, &self.motion.q);
+            kind.find_moves(backend, params, &self.motion.q);
         }
         for kind in &self.kinds {
             kind.gather(backend, &self.particles, &mut self.motion.q);
@@ -244,9 +281,11 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
-        self.history.extrapolate(backend, &mut self.motion.q, omega);
-        self.kinds.iter_mut().for_each(|kind| kind.extrapolate(backend, omega));
-        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, omega));
+        let weight = &ExtrapolateUniform { omega };
+        let weight = self.watch.extrapolation(weight);
+        self.history.extrapolate(backend, &mut self.motion.q, weight);
+        self.kinds.iter_mut().for_each(|kind| kind.extrapolate(backend, weight));
+        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, weight));
     }
 
     fn moved(&mut self, backend: &B) -> f32 {
@@ -258,17 +297,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn objective(&mut self, backend: &B) -> f64 {
-        let step = self.step();
-        let Self { motion, sums, .. } = self;
-        let inputs = (backend.view(&self.predicted), backend.view(&motion.q));
-        backend.map::<Inertia>(&self.particles, &step, inputs, &mut sums.numbers);
-        sums.add(backend, self.n);
-        for kind in &self.kinds {
-            kind.add_energy(backend, &motion.q, sums);
-        }
-        if let Some(contacts) = &self.contacts {
-            contacts.add_energy(backend, 1.0 / self.squared_h, &motion.q, sums);
-        }
+        self.add_objective(backend);
         self.total(backend)
     }
 
@@ -310,5 +339,37 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.history.restore(backend, &mut self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.restore(backend));
         self.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
+    }
+
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
+        let squared_h = self.squared_h;
+        self.watch.begin(backend, of, ease, squared_h, |omega| Xpbd { squared_h, omega });
+        self.save(backend);
+        self.look(backend, 0, false);
+    }
+
+    fn turn(&mut self, k: u32) {
+        self.watch.turn(k);
+    }
+
+    fn look(&mut self, backend: &B, k: u32, is_last: bool) {
+        self.add_objective(backend);
+        let rise = self.tolerated_rise();
+        self.watch.look(backend, &mut self.sums, k, is_last, rise);
+        if k > 0 {
+            self.history.follow(backend, self.watch.known(), &mut self.motion.q);
+            self.kinds.iter_mut().for_each(|kind| kind.follow(backend, self.watch.known()));
+            self.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
+        }
+    }
+
+    fn learn(&mut self, backend: &B, ease: &mut Ease, report: &mut StepReport) {
+        if let Err(error) = self.watch.learn(backend, ease, report) {
+            self.failed = Some(failure(error));
+        }
+    }
+
+    fn forget(&mut self) {
+        self.watch.forget();
     }
 }

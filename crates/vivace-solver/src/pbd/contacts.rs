@@ -21,39 +21,48 @@ const GRAIN: usize = 256;
 
 /// Contacts by color.
 #[derive(Debug, Default)]
-pub(super) struct Contacts {
+pub(crate) struct Contacts {
     colors: Vec<Range<usize>>,
     particles: Vec<[u32; 4]>,
     rest: Vec<Contact>,
+    /// Where each is among those that were found.
+    places: Vec<usize>,
     /// Multipliers across the normal, and along it \[N s²\].
     lambdas: Vec<Vec4>,
     history: History<Vec4>,
     moves: Vec<[Vec4; 4]>,
     /// Scratch: colors at each particle.
-    taken: Vec<Vec<u32>>,
+    taken: Vec<[u64; N_WORDS]>,
 }
 
 impl Contacts {
-    /// Takes those of a frame. `q` has the inverse masses.
-    pub(super) fn set(&mut self, found: &Found<'_>, q: &[Vec4]) {
+    /// Takes those of a small step. `place` says where each of the model's particles is in `q`, which has the inverse masses.
+    pub(crate) fn set(&mut self, found: &Found<'_>, place: &impl Fn(u32) -> u32, q: &[Vec4]) {
+        if !found.is_new() {
+            self.rest.iter_mut().zip(&self.places).for_each(|(rest, &k)| found.renew(k, rest));
+            return;
+        }
         let softness = |k: usize| {
             let contact = &found.contacts[k];
-            let of = |(&p, &a): (&u32, &f32)| q[p as usize].w * a * a;
+            let of = |(&p, &a): (&u32, &f32)| q[place(p) as usize].w * a * a;
             contact.particles.iter().zip(&contact.weights).map(of).sum::<f32>()
         };
         let is_soft = |&k: &usize| softness(k) > 0.0;
         let all: Vec<usize> = (0..found.contacts.len()).filter(is_soft).collect();
-        let colors = color(found, &all, q, &mut self.taken);
+        let particles = |k: usize| found.contacts[k].particles.map(place);
+        let colors = color(&all, &particles, q, &mut self.taken);
         let n_colors = colors.iter().map(|&color| color as usize + 1).max().unwrap_or(0);
         let classes = vivace_graph::Csr::group_by(n_colors, &colors);
         self.colors.clear();
         self.colors.extend(classes.offsets().windows(2).map(|ends| ends[0] as usize..ends[1] as usize));
         self.particles.clear();
         self.rest.clear();
+        self.places.clear();
         for &k in classes.items() {
             let k = all[k as usize];
-            self.particles.push(found.contacts[k].particles);
-            self.rest.push(found.rest(k, STIFFNESS / (softness(k) * found.h * found.h)));
+            self.particles.push(particles(k));
+            self.rest.push(found.rest(k, STIFFNESS / (softness(k) * found.small.h * found.small.h)));
+            self.places.push(k);
         }
         self.lambdas.clear();
         self.lambdas.resize(all.len(), Vec4::ZERO);
@@ -61,16 +70,16 @@ impl Contacts {
         self.history = History::new(all.len());
     }
 
-    pub(super) fn n_colors(&self) -> usize {
+    pub(crate) fn n_colors(&self) -> usize {
         self.colors.len()
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.rest.is_empty()
     }
 
     /// Forgets the multipliers.
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.lambdas.fill(Vec4::ZERO);
         self.history.begin(&self.lambdas);
     }
@@ -80,7 +89,7 @@ impl Contacts {
     }
 
     /// Projects those of one color.
-    pub(super) fn relax_color(&mut self, color: usize, xpbd: &Xpbd, q: &mut [Vec4]) {
+    pub(crate) fn relax_color(&mut self, color: usize, xpbd: &Xpbd, q: &mut [Vec4]) {
         let range = self.colors[color].clone();
         if rayon::current_num_threads() == 1 || range.len() < 2 * GRAIN {
             range.for_each(|k| self.relax(k, xpbd, q));
@@ -173,25 +182,35 @@ fn correct(rest: &Contact, particles: &[u32; 4], xpbd: &Xpbd, q: &[Vec4], lambda
     w.map(|w| (step * w).extend(0.0))
 }
 
+/// Colors that first fit chooses from, in words of 64: beyond them each contact has one of its own.
+const N_WORDS: usize = 4;
+
 /// A color for each of `all`, by first fit: two that share a free particle differ. Work in proportion to the contacts.
-fn color(found: &Found<'_>, all: &[usize], q: &[Vec4], taken: &mut Vec<Vec<u32>>) -> Vec<u32> {
-    taken.resize(q.len(), Vec::new());
-    let mut used = Vec::new();
-    let mut colors = Vec::with_capacity(all.len());
-    for &k in all {
+fn color(
+    all: &[usize],
+    particles: &impl Fn(usize) -> [u32; 4],
+    q: &[Vec4],
+    taken: &mut Vec<[u64; N_WORDS]>,
+) -> Vec<u32> {
+    taken.resize(taken.len().max(q.len()), [0; N_WORDS]);
+    let mut beyond = 64 * N_WORDS;
+    let mut color = |&k: &usize| {
         // Also those of weight 0: where they are shows in the rounding.
-        let particles = found.contacts[k].particles.iter().map(|&p| p as usize).filter(|&p| q[p].w > 0.0);
-        used.clear();
-        particles.clone().for_each(|p| used.extend_from_slice(&taken[p]));
-        used.sort_unstable();
-        used.dedup();
-        let color =
-            (0..).zip(&used).find(|(free, used)| free != *used).map_or(used.len(), |(free, _)| free as usize);
+        let particles = particles(k).map(|p| p as usize).into_iter().filter(|&p| q[p].w > 0.0);
+        let used =
+            particles.clone().fold([0; N_WORDS], |used, p| std::array::from_fn(|i| used[i] | taken[p][i]));
+        let color = if let Some(word) = used.iter().position(|&word| word != u64::MAX) {
+            let bit = used[word].trailing_ones();
+            particles.for_each(|p| taken[p][word] |= 1 << bit);
+            64 * word + bit as usize
+        } else {
+            beyond += 1;
+            beyond - 1
+        };
         // Fewer colors than contacts, which are 32-bit.
-        let color = u32::try_from(color).unwrap_or(u32::MAX);
-        particles.for_each(|p| taken[p].push(color));
-        colors.push(color);
-    }
-    all.iter().flat_map(|&k| found.contacts[k].particles).for_each(|p| taken[p as usize].clear());
+        u32::try_from(color).unwrap_or(u32::MAX)
+    };
+    let colors = all.iter().map(&mut color).collect();
+    all.iter().flat_map(|&k| particles(k)).for_each(|p| taken[p as usize] = [0; N_WORDS]);
     colors
 }

@@ -1,14 +1,13 @@
 //! The constraints of one kind, color by color.
 
-use std::ops::Range;
-
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
-use vivace_kernels::constraint::{BATCH, Constraint, Xpbd};
+use vivace_kernels::constraint::{Attachment, Constraint, Xpbd};
 use vivace_model::{KindVisitor, Model, Store};
 
 use super::arranged::Arranged;
-use super::coloring::color_constraints;
+use super::coloring::{color_attachments, color_constraints};
+use super::halves::{Halves, Stretch, relax_each};
 use crate::SolverError;
 use crate::history::History;
 use crate::parallel::sum;
@@ -32,6 +31,8 @@ pub(super) trait Kind: Send + Sync + std::fmt::Debug {
     fn energy(&self, q: &[Vec4]) -> f64;
     /// Adds the gradient of their energy, w C ∇C, to each particle \[N\].
     fn add_gradient(&self, q: &[Vec4], sums: &mut [Vec4]);
+    /// How many colors there are, up to the last that this kind has.
+    fn n_colors(&self) -> u32;
     /// Counts the constraints of each particle.
     fn count(&self, counts: &mut [f32]);
     /// Moves the target of attachment `idx` of the model, if this kind is that of attachments.
@@ -44,9 +45,12 @@ const GRAIN: usize = 256;
 /// Kind `C`.
 #[derive(Debug)]
 struct KindOf<C: Constraint<N, R>, const N: usize, const R: usize> {
-    /// Members of each color.
-    colors: Vec<Range<usize>>,
+    halves: Halves,
+    /// Where those of each color and stretch begin, color by color; and where all end.
+    ends: Vec<usize>,
     particles: Vec<[u32; N]>,
+    /// Particles, by their place in the stretch of the constraint.
+    places: Vec<[u32; N]>,
     rest: Vec<C>,
     /// Where the model's constraints stand here.
     place: Vec<u32>,
@@ -61,35 +65,61 @@ struct KindOf<C: Constraint<N, R>, const N: usize, const R: usize> {
 pub(super) struct Kinds {
     colors: Vec<u32>,
     n_colors: u32,
+    n_particles: u32,
     n_seen: usize,
     kinds: Vec<Box<dyn Kind>>,
 }
 
 impl Kinds {
-    /// The kinds that the model holds, and the number of colors.
-    pub(super) fn of(model: &Model) -> Result<(Vec<Box<dyn Kind>>, u32), SolverError> {
+    /// The kinds that the model holds, that of attachments last.
+    pub(super) fn of(model: &Model) -> Result<Vec<Box<dyn Kind>>, SolverError> {
         let (colors, n_colors) = color_constraints(model)?;
-        let mut kinds = Self { colors, n_colors, n_seen: 0, kinds: Vec::new() };
+        // Particle numbers are 32-bit by construction of the model.
+        let n_particles = u32::try_from(model.n_particles()).unwrap_or(u32::MAX);
+        let mut kinds = Self { colors, n_colors, n_particles, n_seen: 0, kinds: Vec::new() };
         model.constraints().visit(&mut kinds);
-        Ok((kinds.kinds, n_colors))
+        Ok(kinds.kinds)
     }
+}
+
+/// The kind of attachments, beside others of so many colors.
+pub(super) fn of_attachments(store: &Store<Attachment, 1>, n_colors: u32, n_particles: u32) -> Box<dyn Kind> {
+    let (colors, n_colors) = color_attachments(store, n_colors);
+    Box::new(KindOf::new(store, &colors, n_colors, n_particles))
 }
 
 impl KindVisitor for Kinds {
     fn visit<C: Constraint<N, R>, const N: usize, const R: usize>(&mut self, store: &Store<C, N>) {
         let of_kind = &self.colors[self.n_seen..self.n_seen + store.len()];
         self.n_seen += store.len();
-        let Arranged { colors, particles, rest, place } = Arranged::new(store, of_kind, self.n_colors);
-        self.kinds.push(Box::new(KindOf::<C, N, R> {
-            colors,
+        self.kinds.push(Box::new(KindOf::<C, N, R>::new(store, of_kind, self.n_colors, self.n_particles)));
+    }
+}
+
+impl<C: Constraint<N, R>, const N: usize, const R: usize> KindOf<C, N, R> {
+    fn new(store: &Store<C, N>, of_kind: &[u32], n_colors: u32, n_particles: u32) -> Self {
+        let n_of_color = store.len() / (n_colors as usize).max(1);
+        let halves = Halves::new(n_particles, n_of_color);
+        // Fewer than there are constraints: every color and stretch has some, or the kind has one stretch.
+        let n_stretches = halves.len();
+        let of = |(&color, particles): (&u32, &[u32; N])| color * n_stretches + halves.of(particles).0;
+        let keys: Vec<u32> = of_kind.iter().zip(&store.particles).map(of).collect();
+        let Arranged { colors, particles, rest, place } = Arranged::new(store, &keys, n_colors * n_stretches);
+        let ends = std::iter::once(0).chain(colors.iter().map(|range| range.end)).collect();
+        let places = particles.iter().map(|particles| particles.map(|p| p - halves.of(particles).1));
+        let n = rest.len();
+        Self {
+            halves,
+            ends,
+            places: places.collect(),
             particles,
             rest,
             place,
-            lambdas: vec![C::Multiplier::default(); store.len()],
-            history: History::new(store.len()),
+            lambdas: vec![C::Multiplier::default(); n],
+            history: History::new(n),
             h: 1.0,
-            moves: vec![[Vec4::ZERO; N]; store.len()],
-        }));
+            moves: vec![[Vec4::ZERO; N]; n],
+        }
     }
 }
 
@@ -117,48 +147,14 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
     }
 
     fn relax_color(&mut self, color: u32, omega: f32, q: &mut [Vec4]) {
-        let range = self.colors[color as usize].clone();
+        let n = self.halves.len() as usize;
+        let Some(ends) = self.ends.get(color as usize * n..=(color as usize + 1) * n) else { return };
+        let (first, last) = (ends[0], ends[n]);
         let xpbd = Xpbd { squared_h: self.h * self.h, omega };
-        let (rest, particles) = (&self.rest[range.clone()], &self.particles[range.clone()]);
-        let lambdas = &mut self.lambdas[range.clone()];
-        if rayon::current_num_threads() == 1 || range.len() < 2 * GRAIN {
-            let (some_rest, rest) = rest.as_chunks();
-            let (some_particles, particles) = particles.as_chunks();
-            let (some_lambdas, lambdas) = lambdas.as_chunks_mut();
-            for ((rest, particles), lambdas) in some_rest.iter().zip(some_particles).zip(some_lambdas) {
-                if let Some(moves) = C::correct_batch(rest, particles, &xpbd, q, lambdas) {
-                    for slot in 0..N {
-                        for (particles, step) in particles.iter().zip(moves[slot]) {
-                            q[particles[slot] as usize] += step;
-                        }
-                    }
-                } else {
-                    correct_each(rest, particles, &xpbd, q, lambdas);
-                }
-            }
-            correct_each(rest, particles, &xpbd, q, lambdas);
-            return;
-        }
-        // Found in parallel, then applied: the host has no way to write scattered elements from many threads.
-        let moves = &mut self.moves[range];
-        let positions = &*q;
-        let (rest, some) = (rest.par_chunks(BATCH), particles.par_chunks(BATCH));
-        let some = rest.zip(some).zip(lambdas.par_chunks_mut(BATCH)).zip(moves.par_chunks_mut(BATCH));
-        some.with_min_len(GRAIN / BATCH).for_each(|(((rest, particles), lambdas), moves)| {
-            if let (Some(rest), Some(particles), Some(lambdas)) =
-                (rest.first_chunk(), particles.first_chunk(), lambdas.first_chunk_mut())
-                && let Some(found) = C::correct_batch(rest, particles, &xpbd, positions, lambdas)
-            {
-                for (lane, moves) in moves.iter_mut().enumerate() {
-                    *moves = std::array::from_fn(|slot| found[slot][lane]);
-                }
-                return;
-            }
-            for (((rest, particles), lambda), moves) in rest.iter().zip(particles).zip(lambdas).zip(moves) {
-                *moves = rest.correct(particles, &xpbd, positions, lambda);
-            }
-        });
-        scatter(particles, moves, q);
+        let constraints = (&self.rest[first..last], &self.places[first..last]);
+        let lambdas = &mut self.lambdas[first..last];
+        let whole = Stretch::whole(self.halves, first, &ends[1..], constraints, lambdas, q);
+        whole.relax(&xpbd, rayon::current_num_threads().next_power_of_two().ilog2());
     }
 
     fn relax_all(&mut self, omega: f32, counts: &[f32], q: &[Vec4], sums: &mut [Vec4]) {
@@ -175,7 +171,7 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
         let xpbd = Xpbd { squared_h: self.h * self.h, omega };
         for &k in &self.place {
             let k = k as usize;
-            correct_each(&self.rest[k..=k], &self.particles[k..=k], &xpbd, q, &mut self.lambdas[k..=k]);
+            relax_each(&self.rest[k..=k], &self.particles[k..=k], &xpbd, q, &mut self.lambdas[k..=k]);
         }
     }
 
@@ -195,6 +191,16 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
         }
     }
 
+    fn n_colors(&self) -> u32 {
+        let n = self.rest.len();
+        let colors = self
+            .ends
+            .iter()
+            .position(|&end| end == n)
+            .map_or(0, |end| end.div_ceil(self.halves.len() as usize));
+        u32::try_from(colors).unwrap_or(u32::MAX)
+    }
+
     fn count(&self, counts: &mut [f32]) {
         for &p in self.particles.iter().flatten() {
             counts[p as usize] += 1.0;
@@ -207,22 +213,6 @@ impl<C: Constraint<N, R>, const N: usize, const R: usize> Kind for KindOf<C, N, 
             && let Some(&k) = self.place.get(idx)
         {
             self.rest[k as usize].set_target(target);
-        }
-    }
-}
-
-/// Projects one constraint after another.
-fn correct_each<C: Constraint<N, R>, const N: usize, const R: usize>(
-    rest: &[C],
-    particles: &[[u32; N]],
-    xpbd: &Xpbd,
-    q: &mut [Vec4],
-    lambdas: &mut [C::Multiplier],
-) {
-    for ((rest, particles), lambda) in rest.iter().zip(particles).zip(lambdas) {
-        let moves = rest.correct(particles, xpbd, q, lambda);
-        for (&particle, step) in particles.iter().zip(moves) {
-            q[particle as usize] += step;
         }
     }
 }

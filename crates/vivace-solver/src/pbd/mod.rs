@@ -9,7 +9,8 @@
 
 pub(crate) mod arranged;
 pub(crate) mod coloring;
-mod contacts;
+pub(crate) mod contacts;
+mod halves;
 mod kind;
 
 use glam::{Vec3, Vec4};
@@ -32,6 +33,8 @@ pub(crate) const TOLERATED_RISE: f64 = 1.0;
 #[derive(Debug)]
 pub(crate) struct PositionBased {
     kinds: Vec<Box<dyn Kind>>,
+    /// Whether the last of these is that of attachments, which come and go.
+    has_attachments: bool,
     /// Of these; those of contacts follow.
     n_colors: u32,
     contacts: Contacts,
@@ -53,27 +56,36 @@ impl PositionBased {
     /// # Errors
     /// More constraints than 32 bits can number.
     pub(crate) fn new(model: &Model) -> Result<Self, SolverError> {
-        let (kinds, n_colors) = Kinds::of(model)?;
         let n = model.n_particles();
-        let mut counts = vec![0.0; n];
-        kinds.iter().for_each(|kind| kind.count(&mut counts));
         let q: Vec<Vec4> = model.masses().iter().map(|mass| Vec3::ZERO.extend(1.0 / mass)).collect();
-        // What is pinned moves for nobody, however many ask.
-        counts.iter_mut().zip(&q).filter(|(_, q)| q.w == 0.0).for_each(|(count, _)| *count = 0.0);
         let n_free = q.iter().filter(|q| q.w > 0.0).count();
-        Ok(Self {
-            kinds,
-            n_colors,
+        let mut framework = Self {
+            kinds: Kinds::of(model)?,
+            has_attachments: !model.constraints().attachments.is_empty(),
+            n_colors: 0,
             contacts: Contacts::default(),
             n_free,
-            own_counts: counts.clone(),
-            counts,
+            own_counts: vec![0.0; n],
+            counts: Vec::new(),
             h: 0.0,
             predicted: q.clone(),
             q,
             history: History::new(n),
             sums: vec![Vec4::ZERO; n],
-        })
+        };
+        framework.count();
+        Ok(framework)
+    }
+
+    /// Counts colors, and the constraints of each particle.
+    fn count(&mut self) {
+        self.n_colors = self.kinds.iter().map(|kind| kind.n_colors()).max().unwrap_or(0);
+        self.own_counts.fill(0.0);
+        self.kinds.iter().for_each(|kind| kind.count(&mut self.own_counts));
+        // What is pinned moves for nobody, however many ask.
+        let pinned = self.own_counts.iter_mut().zip(&self.q).filter(|(_, q)| q.w == 0.0);
+        pinned.for_each(|(count, _)| *count = 0.0);
+        self.counts.clone_from(&self.own_counts);
     }
 }
 
@@ -93,13 +105,28 @@ impl Solve for PositionBased {
         self.kinds.iter_mut().for_each(|kind| kind.set_attachment_target(idx, target));
     }
 
+    fn set_attachments(&mut self, model: &Model) {
+        if std::mem::take(&mut self.has_attachments) {
+            self.kinds.pop();
+        }
+        self.count();
+        let attachments = &model.constraints().attachments;
+        if !attachments.is_empty() {
+            // Particle numbers are 32-bit by construction of the model.
+            let n_particles = u32::try_from(model.n_particles()).unwrap_or(u32::MAX);
+            self.kinds.push(kind::of_attachments(attachments, self.n_colors, n_particles));
+            self.has_attachments = true;
+            self.count();
+        }
+    }
+
     /// Nothing here depends on the time step alone.
     fn prepare(&mut self, _: f32) -> Result<(), SolverError> {
         Ok(())
     }
 
     fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {
-        self.contacts.set(found, &self.q);
+        self.contacts.set(found, &|p| p, &self.q);
         self.counts.copy_from_slice(&self.own_counts);
         self.contacts.count(&self.q, &mut self.counts);
         Ok(Change::default())
@@ -116,7 +143,7 @@ impl Solve for PositionBased {
         self.contacts.begin();
     }
 
-    fn end(&self, positions: &mut [Vec3]) {
+    fn end(&mut self, positions: &mut [Vec3]) {
         for (position, &q) in positions.iter_mut().zip(&self.q) {
             *position = q.truncate();
         }

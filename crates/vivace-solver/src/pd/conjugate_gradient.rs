@@ -36,7 +36,7 @@ struct Limit {
 /// Rows that one thread computes before another may take over.
 const GRAIN: usize = 256;
 /// With a residual this small against the first, `f32` has no more digits to give.
-const ROUNDING: f64 = 1e-7;
+pub(crate) const ROUNDING: f64 = 1e-7;
 
 impl ConjugateGradient {
     /// Makes `residual` \[N\] the δ \[m\] of `Y δ = residual` after `iterations` iterations, fewer if rounding is reached before.

@@ -17,6 +17,8 @@ use crate::parallel::sum;
 pub(super) struct Contacts {
     particles: Vec<[u32; 4]>,
     rest: Vec<Contact>,
+    /// Where each is among those that were found.
+    places: Vec<usize>,
     /// Vertex to `contact · 4 + slot`.
     offsets: Vec<u32>,
     slots: Vec<u32>,
@@ -35,10 +37,15 @@ impl Contacts {
         inverse_diagonal: &[f32],
         slices: &Slices,
     ) {
-        let n_free = inverse_diagonal.len();
         self.n_sweeps = 0;
+        if !found.is_new() {
+            self.rest.iter_mut().zip(&self.places).for_each(|(rest, &k)| found.renew(k, rest));
+            return;
+        }
+        let n_free = inverse_diagonal.len();
         self.particles.clear();
         self.rest.clear();
+        self.places.clear();
         for k in 0..found.contacts.len() {
             let particles = found.contacts[k].particles.map(|p| place[p as usize]);
             let softness = |slot: usize| {
@@ -50,6 +57,7 @@ impl Contacts {
             if softness > 0.0 && (STIFFNESS / softness).is_finite() {
                 self.particles.push(particles);
                 self.rest.push(found.rest(k, STIFFNESS / softness));
+                self.places.push(k);
             }
         }
         self.index(n_free);
@@ -134,25 +142,30 @@ impl Contacts {
         self.slots(vertex).map(of).sum()
     }
 
-    /// By how much `vertex` moves \[m\] under `force` \[N\], that of contacts included, with `block` \[N/m\] without them. Where all
-    /// vertices move at once, a contact counts for as much as all its particles may move it.
+    /// By how much `vertex` moves \[m\] under `force` \[N\] and its contacts, with `block` \[N/m\] without them. Where all vertices move at
+    /// once, a contact counts for as much as all its particles may move it.
     pub(super) fn solve(
         &self,
         vertex: usize,
         q: &Points,
-        force: Vec3,
+        mut force: Vec3,
         block: Mat3,
         is_all_at_once: bool,
     ) -> Vec3 {
         let mut sum = block;
         for (contact, slot) in self.slots(vertex) {
             let rest = &self.rest[contact];
+            let [aq] = rest.apply(&corners(&self.particles[contact], q));
+            let (asked, along, across) = rest.act(slot, aq);
             let others = if is_all_at_once {
                 rest.weights.abs().element_sum() / rest.weights[slot].abs()
             } else {
                 1.0
             };
-            sum += rest.block(&corners(&self.particles[contact], q), slot) * others;
+            let (n, along, across) = (rest.normal, (along - across) * others, across * others);
+            force += asked;
+            sum += Mat3::from_cols(n * (along * n.x), n * (along * n.y), n * (along * n.z));
+            sum += Mat3::from_diagonal(Vec3::splat(across));
         }
         // Scaled, so that no determinant leaves the range of numbers.
         let scale = sum.x_axis.x.max(sum.y_axis.y).max(sum.z_axis.z);

@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
-use vivace_coloring::{ConstraintGraph, color};
+use vivace_coloring::{Coloring, ConstraintGraph, color};
 use vivace_model::Model;
+
+use crate::SolverError;
 
 /// Numbering by color. Depends on the topology alone.
 #[derive(Debug, Clone, Default)]
@@ -19,9 +21,17 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Line 2 of Algorithm 1. Pinned particles are no unknowns and belong to no class.
-    pub(crate) fn new(model: &Model, graph: &ConstraintGraph) -> Self {
-        let coloring = color(graph);
+    /// Line 2 of Algorithm 1; or, where there are `colors`, by these. Pinned particles are no unknowns and belong to no class.
+    ///
+    /// # Errors
+    /// Neighbors of one color.
+    pub(crate) fn new(model: &Model, graph: &ConstraintGraph, colors: &[u32]) -> Result<Self, SolverError> {
+        let coloring = if colors.is_empty() {
+            color(graph)
+        } else {
+            let proper = Coloring::new(graph, colors.to_vec());
+            proper.map_err(|violation| SolverError::Coloring { violation })?
+        };
         let partitions = coloring.partitions();
         let (mut order, mut classes) = (Vec::with_capacity(model.n_particles()), Vec::new());
         for class in partitions.csr().rows() {
@@ -39,7 +49,7 @@ impl Layout {
         for (slot, &particle) in (0..).zip(&order) {
             place[particle as usize] = slot;
         }
-        Self { order, place, classes, n_free }
+        Ok(Self { order, place, classes, n_free })
     }
 
     /// The model's own order, without classes.

@@ -4,13 +4,15 @@
 //! together they pull the particle to its *anchor*. Springs and flat hinges live in the rows of Y (`rows.rs`); every other kind
 //! adds a pass (`pass.rs`).
 
-mod conjugate_gradient;
+pub(crate) mod conjugate_gradient;
 mod contacts;
 #[cfg(feature = "direct")]
 mod direct;
+mod islands;
 pub(crate) mod layout;
 pub(crate) mod pass;
 mod points;
+mod projected;
 pub(crate) mod rows;
 mod slices;
 mod sweep;
@@ -27,11 +29,13 @@ use crate::contacts::{Change, ContactMemory, Found};
 use crate::history::History;
 use crate::host::Solve;
 use crate::parallel::{Split, in_pieces, sum};
-use crate::{LocalStep, Preconditioner, Relaxation, SolverError, Stages, VertexSolve};
+use crate::{LocalStep, Preconditioner, Relaxation, SolverError, Stages, VertexSolve, pbd, stages};
 use contacts::Contacts;
+use islands::Islands;
 use layout::Layout;
 use pass::{Pass, Passes};
 use points::{LANES, Lanes3, Points, PointsMut};
+use projected::Projected;
 use rows::Rows;
 use slices::Slices;
 use sweep::Vertices;
@@ -59,9 +63,15 @@ pub(crate) struct ProjectiveDynamics {
     #[cfg(feature = "direct")]
     factor: Option<direct::Factor>,
     is_direct: bool,
+    /// Whether a linear solver takes the place of sweeps.
+    is_linear: bool,
     conjugate_gradient: conjugate_gradient::ConjugateGradient,
     /// Contacts, and the coloring with them; `None` until there are any.
     contacts: Option<Box<(Contacts, Topology)>>,
+    /// Contacts that are apart from all else.
+    projected: Projected,
+    /// What hangs together by contacts; `None` until there are any.
+    islands: Option<Box<Islands>>,
     // The frame.
     anchors: Points,
     q: Points,
@@ -124,15 +134,16 @@ const GRAIN: usize = 32 * LANES;
 const LARGE_GRAIN: usize = 1 << 14;
 
 impl ProjectiveDynamics {
-    /// Colors the model's graph and gathers the rows of Y, as `relaxation` needs them.
+    /// Colors the model's graph, if there are no `colors`, and gathers the rows of Y, as `relaxation` needs them.
     ///
     /// # Errors
-    /// More constraints than 32 bits can number.
+    /// More constraints than 32 bits can number; neighbors of one color.
     pub(crate) fn new(
         model: &Model,
         local: LocalStep,
         vertex: VertexSolve,
         relaxation: Relaxation,
+        colors: &[u32],
     ) -> Result<Self, SolverError> {
         let is_direct = matches!(relaxation, Relaxation::Direct);
         // What solves the linear system needs b apart from the sweeps.
@@ -143,7 +154,7 @@ impl ProjectiveDynamics {
             (local, vertex)
         };
         let graph = model.graph()?;
-        let layout = Layout::new(model, &graph);
+        let layout = Layout::new(model, &graph, colors)?;
         let rows = Rows::new(model, &graph, &layout);
         let slices = Slices::new(&rows, &layout.classes);
         let passes = Passes::of(model, &layout)?;
@@ -166,8 +177,11 @@ impl ProjectiveDynamics {
             #[cfg(feature = "direct")]
             factor: None,
             is_direct,
+            is_linear: is_linear_solver,
             conjugate_gradient: conjugate_gradient::ConjugateGradient::default(),
             contacts: None,
+            projected: Projected::default(),
+            islands: None,
             anchors: Points::zeros(n_free),
             history: History::new(q.data().len()),
             q,
@@ -285,7 +299,22 @@ impl Solve for ProjectiveDynamics {
         }
     }
 
+    /// They are on the diagonal alone: all that is made of it is made anew for the next step.
+    fn set_attachments(&mut self, model: &Model) {
+        self.attachments = attachments(model, &self.layout);
+        self.h = 0.0;
+        // Others are held now.
+        self.islands = None;
+    }
+
     fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {
+        if found.is_new() {
+            self.join_islands(found);
+        }
+        let is_projected = self.is_linear || found.small.n > 1;
+        let none = found.none();
+        let (projected, found) = if is_projected { (found, &none) } else { (&none, found) };
+        self.projected.set(projected, &self.layout.place);
         self.take_contacts(found)
     }
 
@@ -315,7 +344,10 @@ impl Solve for ProjectiveDynamics {
         self.history.begin(self.q.data());
     }
 
-    fn end(&self, positions: &mut [Vec3]) {
+    fn end(&mut self, positions: &mut [Vec3]) {
+        if let Some(islands) = &mut self.islands {
+            islands.put_back(&self.masses, &self.anchors, &mut self.q);
+        }
         for (slot, &particle) in self.layout.order.iter().enumerate() {
             positions[particle as usize] = self.q.get(slot).into();
         }
@@ -451,6 +483,15 @@ impl Stages for ProjectiveDynamics {
             }
             self.apply_residual_solution();
         }
+    }
+
+    fn touch(&mut self) {
+        self.projected.project(self.h, &mut self.q);
+    }
+
+    fn tolerated_rise(&self) -> f64 {
+        // What is projected is no minimum.
+        if self.projected.is_empty() { stages::TOLERATED_RISE } else { pbd::TOLERATED_RISE }
     }
 
     fn remember(&mut self) {

@@ -247,7 +247,7 @@ mod tests {
     fn lanes_are_rows() {
         for (name, model) in models() {
             let graph = model.graph().unwrap();
-            let layout = Layout::new(&model, &graph);
+            let layout = Layout::new(&model, &graph, &[]).unwrap();
             let rows = Rows::new(&model, &graph, &layout);
             let slices = Slices::new(&rows, &layout.classes);
             let n_free = layout.n_free;

@@ -8,7 +8,8 @@ use crate::{LocalStep, Relaxation, VertexSolve};
 
 /// Entries of Y off its diagonal.
 fn n_entries(model: &Model) -> usize {
-    let made = ProjectiveDynamics::new(model, LocalStep::Fused, VertexSolve::Diagonal, Relaxation::default());
+    let made =
+        ProjectiveDynamics::new(model, LocalStep::Fused, VertexSolve::Diagonal, Relaxation::default(), &[]);
     made.unwrap().rows.columns.len()
 }
 

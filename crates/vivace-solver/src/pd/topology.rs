@@ -3,7 +3,7 @@
 //! Vertices keep their places: a class of the model's own coloring is a range of slices. Those that contacts drive out of their class
 //! are masked in their slices, and relaxed with their new color one by one.
 
-use vivace_coloring::{Coloring, ConstraintGraph, Follower};
+use vivace_coloring::{Certificate, Coloring, ConstraintGraph, Follower};
 use vivace_graph::DynamicGraph;
 
 use super::layout::Layout;
@@ -82,6 +82,7 @@ impl Topology {
             Recoloring::Incremental => self.follower.update(&self.graph, &gone, &come),
             Recoloring::Full => self.follower.anew(&self.graph),
         };
+        debug_assert!(Certificate::check(&self.graph, self.follower.colors()).is_ok());
         self.place(slices);
         Ok(Change { edges: gone.len() + come.len(), recolored: work.recolored, visited: work.visited })
     }

@@ -4,6 +4,7 @@ use glam::{Mat3, Vec3, Vec3A};
 use rayon::prelude::*;
 
 use super::contacts::Contacts;
+use super::islands::Islands;
 use super::points::{LANES, Lanes3, Points};
 use super::topology::Topology;
 use super::{GRAIN, ProjectiveDynamics};
@@ -49,7 +50,7 @@ impl ProjectiveDynamics {
             if moved >> lane & 1 == 1 {
                 steps[lane] = Vec3A::ZERO;
             } else if touched >> lane & 1 == 1 {
-                let force = Vec3::from(forces[lane]) + contacts.pull(vertex, q);
+                let force = Vec3::from(forces[lane]);
                 let block = self.own_block(slice, lane, q);
                 let step = contacts.solve(vertex, q, force, block, turn == Turn::All);
                 steps[lane] = Vec3A::from(step) * omega.min(1.0);
@@ -121,10 +122,14 @@ impl ProjectiveDynamics {
         }
         let mut all = match self.contacts.take() {
             Some(all) => all,
-            None => Box::new((Contacts::default(), Topology::new(&self.rows, &self.layout, &self.slices)?)),
+            None => self.without_contacts()?,
         };
         let (contacts, topology) = &mut *all;
         contacts.set(found, &self.layout.place, &self.inverse_diagonal, &self.slices);
+        if !found.is_new() {
+            self.contacts = Some(all);
+            return Ok(Change::default());
+        }
         let members: Vec<([u32; 4], usize)> = contacts.vertices(self.layout.n_free).collect();
         let members = members.iter().map(|(vertices, n)| &vertices[..*n]);
         let change = topology.update(members, found.recoloring, &self.slices);
@@ -140,10 +145,27 @@ impl ProjectiveDynamics {
         if self.contacts.is_none() && *memory == ContactMemory::default() {
             return Ok(());
         }
-        let mut topology = Topology::new(&self.rows, &self.layout, &self.slices)?;
-        topology.set_memory(memory, &self.slices)?;
         // Their contacts are those of the step that comes.
-        self.contacts = Some(Box::new((Contacts::none(self.layout.n_free, &self.slices), topology)));
+        let mut all = self.without_contacts()?;
+        all.1.set_memory(memory, &self.slices)?;
+        self.contacts = Some(all);
         Ok(())
+    }
+
+    /// Takes what hangs together by contacts.
+    pub(super) fn join_islands(&mut self, found: &Found<'_>) {
+        if found.contacts.is_empty() && self.islands.is_none() {
+            return;
+        }
+        let Self { islands, rows, attachments, layout, .. } = self;
+        let attached = attachments.iter().map(|attachment| attachment.0);
+        let islands = islands.get_or_insert_with(|| Box::new(Islands::new(rows, attached)));
+        islands.update(found.contacts.iter().map(|contact| layout.places(contact.particles)));
+    }
+
+    fn without_contacts(&self) -> Result<Box<(Contacts, Topology)>, SolverError> {
+        let contacts = Contacts::none(self.layout.n_free, &self.slices);
+        let topology = Topology::new(&self.rows, &self.layout, &self.slices)?;
+        Ok(Box::new((contacts, topology)))
     }
 }

@@ -1,17 +1,21 @@
 //! Relaxations: schedules of [`Stages`].
 
 mod chebyshev;
+mod estimate;
 mod gauss_seidel;
+mod trace;
 
-use crate::{Base, Relaxation, Stages};
-use chebyshev::Weights;
+use crate::step::Ease;
+use crate::{Base, Relaxation, Rho, Stages};
+pub(crate) use estimate::spectral_radius;
+pub(crate) use trace::Weights;
 
 /// Where a relaxation stands within a time step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Schedule {
     relaxation: Relaxation,
     /// Chebyshev's weights; begin anew with each time step.
-    weights: Weights,
+    weights: chebyshev::Weights,
     /// Iterations done since the start, or since acceleration was lowered.
     k: u32,
     /// Sweeps since the local step; 0 asks for another.
@@ -21,18 +25,21 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
-    /// Before the first iteration. `ease` halves the acceleration so many times.
-    pub(crate) fn new(relaxation: Relaxation, ease: u32, is_safe: bool) -> Self {
+    /// Before the first iteration, with acceleration eased as `ease` says.
+    pub(crate) fn new(relaxation: Relaxation, ease: Ease, is_safe: bool) -> Self {
         let least_delay = if is_safe { SAFE_DELAY } else { 0 };
-        let relaxation = eased(relaxation, ease);
         let (rho, delay) = match relaxation {
             Relaxation::Chebyshev { rho, delay, .. } | Relaxation::ChebyshevGaussSeidel { rho, delay } => {
                 (rho, delay.max(least_delay))
             }
             Relaxation::SymmetricChebyshev { rho } => (rho, least_delay),
-            _ => (0.0, 0),
+            _ => (Rho::Given(0.0), 0),
         };
-        Self { relaxation, weights: Weights::new(rho, delay), k: 0, sweeps: 0, delay: least_delay }
+        let half = 0.5_f32.powi(ease.level().min(100).cast_signed());
+        let rho = (1.0 - (1.0 - rho.or(ease.rho())) / half).max(0.0);
+        let relaxation = eased(relaxation, ease.level(), half);
+        let weights = chebyshev::Weights::new(rho, delay);
+        Self { relaxation, weights, k: 0, sweeps: 0, delay: least_delay }
     }
 
     /// One iteration: the body of the loop in Algorithm 1, after the local step where it is apart.
@@ -72,7 +79,13 @@ impl Schedule {
             }
             Relaxation::Direct => stages.solve_directly(),
         }
+        stages.touch();
         self.k += 1;
+    }
+
+    /// The next iteration makes the local step anew.
+    pub(crate) fn project_anew(&mut self) {
+        self.sweeps = 0;
     }
 
     /// After an iteration that hardly moved: whether the local step was made anew just before it, so that nothing else will move
@@ -105,27 +118,19 @@ pub(crate) fn is_accelerated(relaxation: Relaxation) -> bool {
 /// objective said.
 const SAFE_DELAY: u32 = 5;
 
-/// The relaxation with its acceleration halved `ease` times: ω towards 1, ρ away from 1.
-fn eased(relaxation: Relaxation, ease: u32) -> Relaxation {
-    let half = 0.5_f32.powi(ease.min(100).cast_signed());
+/// The relaxation with its acceleration halved `level` times, that is times `half`: ω towards 1. ρ goes away from 1, by [`Schedule::new`].
+fn eased(relaxation: Relaxation, level: u32, half: f32) -> Relaxation {
     let towards_one = |omega: f32| if omega > 1.0 { 1.0 + (omega - 1.0) * half } else { omega };
-    let away_from_one = |rho: f32| (1.0 - (1.0 - rho) / half).max(0.0);
     match relaxation {
         Relaxation::Jacobi { omega } => Relaxation::Jacobi { omega: omega * half },
-        Relaxation::Chebyshev { rho, gamma, delay } => Relaxation::Chebyshev {
-            rho: away_from_one(rho),
-            // The first steps back lower ρ; if that does not help, Jacobi itself diverges.
-            gamma: if ease > 4 { gamma * half * 16.0 } else { gamma },
-            delay,
-        },
+        // The first steps back lower ρ; if that does not help, Jacobi itself diverges.
+        Relaxation::Chebyshev { rho, gamma, delay } if level > 4 => {
+            Relaxation::Chebyshev { rho, gamma: gamma * half * 16.0, delay }
+        }
         Relaxation::GaussSeidel { omega, base } => {
             Relaxation::GaussSeidel { omega: towards_one(omega), base }
         }
-        Relaxation::SymmetricChebyshev { rho } => Relaxation::SymmetricChebyshev { rho: away_from_one(rho) },
-        Relaxation::ChebyshevGaussSeidel { rho, delay } => {
-            Relaxation::ChebyshevGaussSeidel { rho: away_from_one(rho), delay }
-        }
         Relaxation::Lexicographic { omega } => Relaxation::Lexicographic { omega: towards_one(omega) },
-        exact @ (Relaxation::ConjugateGradient { .. } | Relaxation::Direct) => exact,
+        other => other,
     }
 }

@@ -7,10 +7,11 @@ use glam::Vec3;
 use vivace_mesh::{TriMesh, obj};
 use vivace_model::Model;
 use vivace_sim::Simulation;
+use vivace_sim::collision::Pose;
 
 use super::cannot_write;
 use crate::commands::CommandError;
-use crate::picture::{Camera, Mesh3, Paint, Picture, animation};
+use crate::picture::{Moment, Stage, animation};
 use crate::report::Progress;
 
 /// Form of the meshes.
@@ -30,7 +31,6 @@ const SIZE: u32 = 480;
 const DIRECTION: Vec3 = Vec3::new(-0.55, -0.35, -1.0);
 /// An animation shows a frame at least this long \[s\].
 const SHORTEST: f32 = 0.02;
-const COLOR: [u8; 3] = [196, 92, 60];
 
 /// Writes meshes as they come, and pictures in the end, when it is known where the camera has to look.
 pub(super) struct Album {
@@ -38,19 +38,25 @@ pub(super) struct Album {
     format: Format,
     pictures: bool,
     animation: bool,
-    kept: Vec<(u64, Vec<Vec3>)>,
+    stage: Stage,
+    kept: Vec<(u64, Moment)>,
+    /// Where the obstacles stood when they were last written.
+    written: Vec<Option<Pose>>,
 }
 
 impl Album {
-    pub(super) fn new(folder: &Path, format: Format, pictures: bool, animation: bool) -> Self {
-        Self { folder: folder.to_owned(), format, pictures, animation, kept: Vec::new() }
+    pub(super) fn new(folder: &Path, format: Format, pictures: bool, animation: bool, stage: Stage) -> Self {
+        let folder = folder.to_owned();
+        Self { folder, format, pictures, animation, stage, kept: Vec::new(), written: Vec::new() }
     }
 
-    /// Takes the frame in.
+    /// Takes the frame in. Obstacles are written where they have moved.
     pub(super) fn add(&mut self, simulation: &Simulation) -> Result<(), CommandError> {
         let (model, positions, frame) = (simulation.model(), simulation.positions(), simulation.frame());
+        let poses: Vec<Pose> = simulation.obstacles().collect();
         if self.pictures || self.animation {
-            self.kept.push((frame, positions.to_vec()));
+            let moment = Moment::now(simulation, self.kept.last().map(|(_, moment)| moment));
+            self.kept.push((frame, moment));
         }
         let (extension, text) = match self.format {
             Format::None => return Ok(()),
@@ -61,6 +67,15 @@ impl Album {
                 ("obj", obj::to_text(&mesh))
             }
         };
+        self.written.resize(poses.len(), None);
+        for (k, pose) in poses.into_iter().enumerate() {
+            if self.written[k] != Some(pose)
+                && let Some(text) = self.stage.obj(k, pose)
+            {
+                self.write(&format!("obstacle-{k}-{frame:05}.obj"), text.as_bytes())?;
+                self.written[k] = Some(pose);
+            }
+        }
         self.write(&format!("frame-{frame:05}.{extension}"), text.as_bytes())
     }
 
@@ -75,12 +90,10 @@ impl Album {
             return Ok(());
         }
         progress.note(&format!("drawing {} pictures", self.kept.len()));
-        let camera = Camera::framing(self.kept.iter().flat_map(|(_, positions)| positions), DIRECTION);
+        let camera = self.stage.camera(self.kept.iter().map(|(_, moment)| moment), DIRECTION);
         let mut images = Vec::new();
-        for (frame, positions) in &self.kept {
-            let triangles = simulation.model().surface();
-            let mesh = Mesh3 { positions, triangles, colors: Paint::Plain(COLOR) };
-            let image = Picture::render(&[mesh], &camera, SIZE, SIZE);
+        for (frame, moment) in &self.kept {
+            let image = self.stage.render(moment, &camera, SIZE, SIZE);
             if self.pictures {
                 self.write(&format!("frame-{frame:05}.png"), &image.png()?)?;
             }

@@ -1,7 +1,6 @@
 //! The charts of figures 4 and 5.
 
 use super::Comparison;
-use super::methods::Method;
 use super::runs::{Inside, Limit};
 use crate::report::{Axis, Chart, Panel, Series};
 
@@ -12,7 +11,7 @@ pub(super) fn animation(title: &str, of: &Comparison, timed: bool) -> Chart {
         if timed != matches!(limit, Limit::Milliseconds(_)) {
             continue;
         }
-        let runs = || of.runs.iter().filter(|run| run.limit == limit);
+        let runs = || of.all_runs().filter(|run| run.limit == limit);
         let errors = runs().flat_map(|run| run.frames.iter().map(|f| f.error));
         let mut panel = Panel::new(&limit.name(), Axis::linear("Frame").min(0.0), error(errors));
         for run in runs() {
@@ -31,17 +30,19 @@ pub(super) fn animation(title: &str, of: &Comparison, timed: bool) -> Chart {
 }
 
 /// The error inside one frame, against work and against time.
-pub(super) fn inside(frame: &[(Method, Vec<Inside>)]) -> Chart {
-    let axis = || error(frame.iter().flat_map(|(_, points)| points.iter().map(|p| p.error)));
+pub(super) fn inside(of: &Comparison) -> Chart {
+    let axis = || error(of.all_frames().flat_map(|(_, points)| points.iter().map(|p| p.error)));
     let mut work = Panel::new("By work", Axis::log("Sweeps"), axis());
     let mut time = Panel::new("By time on this machine", Axis::log("Time").unit("ms"), axis());
-    for (method, points) in frame {
+    for (method, points) in of.all_frames() {
         let series = |of: fn(&Inside) -> f64| {
             let points = points.iter().map(|p| (of(p), p.error));
             Series::line(method.name, points).look(method.look)
         };
         work = work.series(series(|p| f64::from(p.sweeps)));
-        time = time.series(series(|p| p.ms));
+        if of.place(method).1 {
+            time = time.series(series(|p| p.ms));
+        }
     }
     Chart::new("Convergence inside one frame, after ten frames of a converged run", 2).panel(work).panel(time)
 }

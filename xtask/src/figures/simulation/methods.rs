@@ -1,6 +1,6 @@
 //! The methods that are compared, in one place.
 
-use vivace_solver::{Base, Framework, LocalStep, Relaxation, Solver, VertexSolve};
+use vivace_solver::{Base, Framework, LocalStep, Relaxation, Rho, Solver, VertexSolve};
 
 use super::scenes::Scene;
 use crate::report::Look;
@@ -53,8 +53,8 @@ pub fn sor(omega: f32) -> Relaxation {
 
 /// The methods of figures 4 to 7: the paper's own do exactly what they are told, ours also under the safeguard.
 pub fn methods() -> Vec<Method> {
-    let wang = Relaxation::Chebyshev { rho: 0.9992, gamma: 0.9, delay: 10 };
-    let swept = Relaxation::ChebyshevGaussSeidel { rho: 0.99, delay: 5 };
+    let wang = Relaxation::Chebyshev { rho: Rho::Given(0.9992), gamma: 0.9, delay: 10 };
+    let swept = Relaxation::ChebyshevGaussSeidel { rho: Rho::Given(0.99), delay: 5 };
     let shipped = Method { solver: Solver::default(), ..method(SHIPPED, sor(1.9), true, (4, 6, 2)) };
     let mut block = method("3x3 blocks, SOR 1.7, safe", sor(1.7), true, (6, 2, 2));
     block.solver.framework =
@@ -68,7 +68,12 @@ pub fn methods() -> Vec<Method> {
         shipped,
         method(PAPER_SAFE, sor(1.9), true, (1, 7, 2)),
         method("Chebyshev-Gauss-Seidel, safe", swept, true, (7, 5, 2)),
-        method("Symmetric Chebyshev, safe", Relaxation::SymmetricChebyshev { rho: 0.99 }, true, (7, 3, 4)),
+        method(
+            "Symmetric Chebyshev, safe",
+            Relaxation::SymmetricChebyshev { rho: Rho::Given(0.99) },
+            true,
+            (7, 3, 4),
+        ),
         block,
         method(DIRECT, Relaxation::Direct, true, (3, 0, 3)),
     ]
@@ -100,6 +105,21 @@ fn split(method: &mut Method) {
         let (local, vertex) = (LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal);
         method.solver.framework = Framework::ProjectiveDynamics { local, vertex };
     }
+}
+
+/// What is shown of a GPU, on a scene: the paper's methods and the default, dotted.
+pub fn on_gpu(scene: &Scene) -> Vec<Method> {
+    let renamed = |(name, on_gpu): (&str, &'static str)| {
+        let method = methods_for(scene).into_iter().find(|method| method.name == name)?;
+        Some(Method { name: on_gpu, look: Look { dash: Look::DOTTED, ..method.look }, ..method })
+    };
+    let all = [
+        (JACOBI, "Jacobi 2/3 (GPU)"),
+        (WANG, "Chebyshev-Jacobi (Wang) (GPU)"),
+        (PAPER, "SOR 1.9 (GPU)"),
+        (SHIPPED, "Split SOR 1.9, safe (GPU)"),
+    ];
+    all.into_iter().filter_map(renamed).collect()
 }
 
 /// The method of this name.
@@ -152,5 +172,7 @@ mod tests {
         for name in [JACOBI, WANG, PLAIN, PAPER, MILD, SHIPPED, PAPER_SAFE, DIRECT] {
             assert!(named(name).is_some(), "{name}");
         }
+        let cloth = crate::figures::simulation::scenes::tablecloth(100).unwrap();
+        assert_eq!(on_gpu(&cloth).len(), 4);
     }
 }

@@ -2,13 +2,15 @@
 //!
 //! The columns of the data of figures 4 and 5 (`figN` stands for either):
 //!
-//! - `figN.csv`, a row for each measured frame: `limit` (what a frame may cost), `method`, `frame`, `error` (of the end of the
+//! - `figN.csv`, a row for each measured frame: `limit` (what a frame may cost), `method`, `device` (`cpu`, or the
+//!   adapter's name), `frame`, `error` (of the end of the
 //!   frame against the converged end of the same frame, begun at the method's own state; relative to the prediction's error),
-//!   `iterations`, `colors` (0: none needed), `time_ms` (of the solver in that frame).
-//! - `figN-runs.csv`, a row for each animation: `limit`, `method`, `frames` (measured), `median_error` (infinite after blowing
+//!   `iterations`, `colors` (0: none needed), `time_ms` (of the solver in that frame; empty
+//!   where a CPU plays the GPU).
+//! - `figN-runs.csv`, a row for each animation: `limit`, `method`, `device`, `frames` (measured), `median_error` (infinite after blowing
 //!   up), `blown_up_at` (frame; empty: never), `is_stable` (not blown up, and no measured error above 2), `mean_iterations`,
 //!   `mean_ms`.
-//! - `figN-frame.csv`, convergence inside one frame: `method`, `iterations`, `sweeps`, `time_ms`, `error`.
+//! - `figN-frame.csv`, convergence inside one frame: `method`, `device`, `iterations`, `sweeps`, `time_ms`, `error`.
 //! - `figN-line7.csv`, readings of line 7 of Algorithm 1 inside the same frame: `reading`, `omega`, `sweeps`, `error`.
 
 mod ablation;
@@ -19,6 +21,7 @@ pub mod fig5;
 pub mod fig6;
 pub mod fig7;
 pub mod methods;
+mod on_gpu;
 pub mod runs;
 pub mod scenes;
 mod stills;
@@ -31,6 +34,7 @@ use super::{Context, FigureError};
 use crate::report::{Figure, Table, Value};
 use ablation::Line7;
 use methods::{Method, methods};
+use on_gpu::OnGpu;
 use runs::{Inside, Limit, Plan, Run};
 use scenes::Scene;
 
@@ -81,6 +85,7 @@ pub(super) struct Comparison {
     frame: Vec<(Method, Vec<Inside>)>,
     line7: Line7,
     ordered: Vec<Inside>,
+    on_gpu: Option<OnGpu>,
 }
 
 /// What a comparison is about.
@@ -98,6 +103,11 @@ fn jobs(subject: &Subject<'_>, scene: &Scene) -> Vec<(Limit, Method)> {
     timed.chain(equal).flat_map(|(limit, all)| all.into_iter().map(move |method| (limit, method))).collect()
 }
 
+/// Under which limits of time \[ms\] and of work the methods are compared.
+fn limits(times: &[f64]) -> Vec<Limit> {
+    times.iter().map(|&ms| Limit::Milliseconds(ms)).chain(WORK.map(Limit::Sweeps)).collect()
+}
+
 impl Comparison {
     fn measure(
         context: &mut Context<'_>,
@@ -106,7 +116,8 @@ impl Comparison {
     ) -> Result<Self, FigureError> {
         let sizes = context.sizes.simulation.clone();
         let n_limits = subject.times.len() + WORK.len();
-        context.progress.figure(subject.id, (n_limits + 1) as u64 * methods().len() as u64 + 3);
+        let n_steps = (n_limits + 1) as u64 * methods().len() as u64 + 3;
+        context.progress.figure(subject.id, n_steps + OnGpu::n_steps(context.gpu, n_limits));
         context.progress.step("the scene");
         let scene = make(context)?;
         let all = methods::methods_for(&scene);
@@ -135,17 +146,35 @@ impl Comparison {
         let solver = vivace_solver::Solver { relaxation, ..plain.solver };
         let lexicographic = Method { name: "In the model\u{2019}s order", solver, ..plain };
         let ordered = pool.install(|| runs::inside(&scene, &start, &answer, &lexicographic, &counts, 1))?;
+        let on_gpu =
+            OnGpu::measure(context, &scene, &limits(subject.times), &plan, (&start, &answer), &counts)?;
         context.progress.step("charts and tables");
-        Ok(Self { scene, times: subject.times.to_vec(), runs, frame, line7, ordered })
+        Ok(Self { scene, times: subject.times.to_vec(), runs, frame, line7, ordered, on_gpu })
+    }
+
+    /// The runs on every device: on the CPU, then on the GPU.
+    fn all_runs(&self) -> impl Iterator<Item = &Run> {
+        self.runs.iter().chain(self.on_gpu.iter().flat_map(|on_gpu| &on_gpu.runs))
+    }
+
+    /// The one frame on every device.
+    fn all_frames(&self) -> impl Iterator<Item = &(Method, Vec<Inside>)> {
+        self.frame.iter().chain(self.on_gpu.iter().flat_map(|on_gpu| &on_gpu.frame))
+    }
+
+    /// Where a method ran, and whether its times are to be shown.
+    fn place(&self, method: &Method) -> (&str, bool) {
+        let on_gpu = self.on_gpu.as_ref().filter(|on_gpu| on_gpu.frame.iter().any(|(m, _)| m == method));
+        on_gpu.map_or(("cpu", true), |on_gpu| (on_gpu.adapter.as_str(), on_gpu.is_timed))
     }
 
     /// The run of a method under a limit.
     fn run(&self, name: &str, limit: Limit) -> Option<&Run> {
-        self.runs.iter().find(|run| run.method.name == name && run.limit == limit)
+        self.all_runs().find(|run| run.method.name == name && run.limit == limit)
     }
 
     fn limits(&self) -> Vec<Limit> {
-        self.times.iter().map(|&ms| Limit::Milliseconds(ms)).chain(WORK.map(Limit::Sweeps)).collect()
+        limits(&self.times)
     }
 
     /// The error of a method after so many sweeps of the one frame.
@@ -157,17 +186,18 @@ impl Comparison {
 
     fn figure(&self, context: &Context<'_>, subject: &Subject<'_>, command: &str) -> Figure {
         let caption = format!(
-            "{}\n\n{}\n\nError: distance to the converged end of the same frame, begun at the method\u{2019}s own state, over that of the prediction: 1 is as good as no solver. h = 1/30 s. A cross: numbers ran out, or a particle was more than {} sizes of the scene and twice a free fall from its start; the curve ends there. Methods named \u{201c}safe\u{201d} watch the objective and ease acceleration; the others do exactly what they are told, as in the paper. Times: {}. Sweeps are the same on every machine (a symmetric iteration is two; a 3x3 block sweep costs more; one iteration of Direct solves the global system). On tetrahedra all methods but 3x3 blocks compute all projections once before each sweep (the split one once in eight); anew for each particle, as in the paper, an iteration takes ten times as long: so blocks are left out at equal work, and the one iteration that is always done takes longer than small budgets. Inside one frame a curve ends where a frame takes more than {} s. Over an animation on tetrahedra the answer ends at a gradient of 10\u{207b}\u{2075} of the outer forces, which puts errors off by less than 10\u{207b}\u{2074}.",
+            "{}\n\n{}\n\nError: distance to the converged end of the same frame, begun at the method\u{2019}s own state, over that of the prediction: 1 is as good as no solver. h = 1/30 s. A cross: numbers ran out, or a particle was more than {} sizes of the scene and twice a free fall from its start; the curve ends there. Methods named \u{201c}safe\u{201d} watch the objective and ease acceleration; the others do exactly what they are told, as in the paper. Times: {}. {} Sweeps are the same on every machine (a symmetric iteration is two; a 3x3 block sweep costs more; one iteration of Direct solves the global system). On tetrahedra all methods but 3x3 blocks compute all projections once before each sweep (the split one once in eight); anew for each particle, as in the paper, an iteration takes ten times as long: so blocks are left out at equal work, and the one iteration that is always done takes longer than small budgets. Inside one frame a curve ends where a frame takes more than {} s. Over an animation on tetrahedra the answer ends at a gradient of 10\u{207b}\u{2075} of the outer forces, which puts errors off by less than 10\u{207b}\u{2074}.",
             self.in_short(),
             self.scene.caption,
             runs::FAR,
             context.machine,
+            OnGpu::sentence(self.on_gpu.as_ref()),
             1e-3 * runs::LONGEST,
         );
         let mut figure = Figure::new(subject.id, subject.title, command, &caption)
             .chart(charts::animation("Error over the animation, by time budget", self, true))
             .chart(charts::animation("The same at equal work", self, false))
-            .chart(charts::inside(&self.frame))
+            .chart(charts::inside(self))
             .chart(self.line7.chart())
             .table(self.summary())
             .table(self.line7.table())
@@ -231,7 +261,8 @@ impl Comparison {
             columns,
             rows: Vec::new(),
         };
-        for method in methods() {
+        let on_gpu = self.on_gpu.iter().flat_map(|on_gpu| on_gpu.frame.iter().map(|(method, _)| *method));
+        for method in methods().into_iter().chain(on_gpu) {
             let mut row = vec![Value::from(method.name)];
             for &limit in &limits {
                 let text = self.run(method.name, limit).map_or_else(String::new, |run| match run.blown_up {
@@ -249,18 +280,22 @@ impl Comparison {
     }
 
     fn frames(&self) -> Table {
-        let mut table =
-            Table::new("", &["limit", "method", "frame", "error", "iterations", "colors", "time_ms"]);
-        for run in &self.runs {
+        let mut table = Table::new(
+            "",
+            &["limit", "method", "device", "frame", "error", "iterations", "colors", "time_ms"],
+        );
+        for run in self.all_runs() {
+            let (device, is_timed) = self.place(&run.method);
             for f in &run.frames {
                 table.push([
                     run.limit.name().into(),
                     run.method.name.into(),
+                    device.into(),
                     f.frame.into(),
                     f.error.into(),
                     f.iterations.into(),
                     f.colors.into(),
-                    f.ms.into(),
+                    is_timed.then_some(f.ms).into(),
                 ]);
             }
         }
@@ -271,6 +306,7 @@ impl Comparison {
         let columns = [
             "limit",
             "method",
+            "device",
             "frames",
             "median_error",
             "blown_up_at",
@@ -279,30 +315,35 @@ impl Comparison {
             "mean_ms",
         ];
         let mut table = Table::new("runs", &columns);
-        for run in &self.runs {
+        for run in self.all_runs() {
+            let (device, is_timed) = self.place(&run.method);
             table.push([
                 run.limit.name().into(),
                 run.method.name.into(),
+                device.into(),
                 run.frames.len().into(),
                 run.median().into(),
                 run.blown_up.into(),
                 run.is_stable().into(),
                 run.iterations().into(),
-                run.mean_ms.into(),
+                is_timed.then_some(run.mean_ms).into(),
             ]);
         }
         table
     }
 
     fn frame_data(&self) -> Table {
-        let mut table = Table::new("frame", &["method", "iterations", "sweeps", "time_ms", "error"]);
-        for (method, points) in &self.frame {
+        let mut table =
+            Table::new("frame", &["method", "device", "iterations", "sweeps", "time_ms", "error"]);
+        for (method, points) in self.all_frames() {
+            let (device, is_timed) = self.place(method);
             for p in points {
                 table.push([
                     method.name.into(),
+                    device.into(),
                     p.iterations.into(),
                     p.sweeps.into(),
-                    p.ms.into(),
+                    is_timed.then_some(p.ms).into(),
                     p.error.into(),
                 ]);
             }

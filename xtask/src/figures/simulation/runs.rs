@@ -115,12 +115,27 @@ pub struct Plan {
     pub keep: Vec<u32>,
 }
 
-/// Plays the animation; errors are measured afterwards, so that they take nothing from the time budget.
+/// Plays the animation on the CPU; errors are measured afterwards, so that they take nothing from the time budget.
 ///
 /// # Errors
 /// What the solver refuses, beside a step that diverged, which is data.
 pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Result<Run, SolverError> {
     let mut system = System::new(scene.model.clone(), method.solver)?;
+    animate_in(&mut system, scene, method, limit, plan)
+}
+
+/// As [`animate`], in a system of the scene's model that may have another solver.
+///
+/// # Errors
+/// As [`animate`].
+pub fn animate_in(
+    system: &mut System,
+    scene: &Scene,
+    method: &Method,
+    limit: Limit,
+    plan: &Plan,
+) -> Result<Run, SolverError> {
+    take(system, method)?;
     let budget = limit.budget(method);
     // The first step prepares what later ones use.
     let warm = system.step(&mut scene.state.clone(), &scene.forces, scene.h, Budget::iterations(1));
@@ -185,6 +200,11 @@ pub fn animate(scene: &Scene, method: &Method, limit: Limit, plan: &Plan) -> Res
     Ok(run)
 }
 
+/// Lets a system have a method's solver, if it has another.
+fn take(system: &mut System, method: &Method) -> Result<(), SolverError> {
+    if system.solver() == method.solver { Ok(()) } else { system.set_solver(method.solver) }
+}
+
 /// A step that diverged, or a state beyond all bounds, is a result; anything else is not.
 fn forgive(error: SolverError) -> Result<(), SolverError> {
     match error {
@@ -247,10 +267,27 @@ pub fn inside(
     repeats: u32,
 ) -> Result<Vec<Inside>, SolverError> {
     let mut system = System::new(scene.model.clone(), method.solver)?;
+    inside_of(&mut system, scene, start, answer, method, sweeps, repeats)
+}
+
+/// As [`inside`], in a system of the scene's model that may have another solver.
+///
+/// # Errors
+/// As [`inside`].
+pub fn inside_of(
+    system: &mut System,
+    scene: &Scene,
+    start: &State,
+    answer: &Answer,
+    method: &Method,
+    sweeps: &[u32],
+    repeats: u32,
+) -> Result<Vec<Inside>, SolverError> {
+    take(system, method)?;
     let mut points = Vec::new();
     for &n in sweeps {
         let iterations = (n / method.sweeps).max(1);
-        let end = frame(&mut system, scene, start, iterations, repeats)?;
+        let end = frame(system, scene, start, iterations, repeats)?;
         let (ms, error) =
             end.map_or((f64::INFINITY, f64::NAN), |(ms, end)| (ms, answer.error(&end.positions)));
         points.push(Inside { iterations, sweeps: iterations * method.sweeps, ms, error });

@@ -56,7 +56,7 @@ impl Scene {
 }
 
 /// What a scene holds, and of what its bodies are.
-fn contents(scene: &vivace_scene::Scene, model: &Model) -> String {
+pub fn contents(scene: &vivace_scene::Scene, model: &Model) -> String {
     let c = model.constraints();
     let n_held = (0..).take(model.n_particles()).filter(|&particle| model.is_pinned(particle)).count();
     let counts = [

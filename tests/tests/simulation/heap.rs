@@ -1,0 +1,83 @@
+//! The scenes that collide, scaled down, for long.
+
+use glam::Vec3;
+use vivace_scene::{Scene, heap, noodles, pinch, stack};
+use vivace_sim::{Budget, Framework, Simulation, Solver};
+use vivace_tests::crossings::crossings;
+
+/// Nine cloths on an armchair: finite, within the room, and no more colors at the end than in the beginning. That the coloring is proper
+/// after each change is asserted where it changes.
+fn stays_in_the_room(n_frames: usize) {
+    let mut simulation = Simulation::new(&heap(3), Solver::default()).unwrap();
+    let (mut colors, mut recolored) = ([0; 10], 0);
+    for frame in 0..n_frames {
+        let report = simulation.step(Budget::iterations(6)).unwrap();
+        let tenth = 10 * frame / n_frames;
+        colors[tenth] = report.colors.max(colors[tenth]);
+        recolored += report.contacts.recolored;
+        let is_out = |p: &Vec3| !(p.x.abs() < 3.0 && p.z.abs() < 3.0 && p.y > 0.0 && p.y < 3.0);
+        let out = simulation.positions().iter().position(is_out);
+        assert_eq!(out, None, "frame {frame}: {:?}", out.map(|k| simulation.positions()[k]));
+        if frame % 50 == 0 {
+            let found = crossings(simulation.positions(), simulation.model().surface());
+            assert!(found.is_empty(), "frame {frame}: {found:?}");
+        }
+    }
+    println!("colors by tenths: {colors:?}; {recolored} vertices recolored");
+    assert!(recolored > 100, "{recolored}");
+    assert!(colors[9] <= colors[..3].iter().copied().max().unwrap() + 1, "{colors:?}");
+}
+
+#[test]
+fn frames_of_the_heap_stay_in_the_room() {
+    stays_in_the_room(300);
+}
+
+#[test]
+#[ignore = "minutes: cargo test --release -p vivace-tests --test simulation -- --ignored ten_thousand"]
+fn ten_thousand_frames_of_the_heap_stay_in_the_room() {
+    stays_in_the_room(10_000);
+}
+
+/// What is pinched is lifted, and what lies below stays; nothing crosses.
+#[test]
+fn a_pinched_cloth_is_lifted_off_the_heap() {
+    let solver = Solver { framework: Framework::PositionBased, substeps: 4, ..Solver::default() };
+    let mut simulation = Simulation::new(&pinch(5), solver).unwrap();
+    // In the middle of the uppermost cloth.
+    let pinched = simulation.particles_of(8).unwrap().start + 12;
+    let height = |simulation: &Simulation| simulation.positions()[pinched].y;
+    let mut before = 0.0;
+    for frame in 0..45 {
+        if frame == 27 {
+            before = height(&simulation);
+        }
+        simulation.step(Budget::iterations(8)).unwrap();
+        let found = crossings(simulation.positions(), simulation.model().surface());
+        assert!(found.is_empty(), "frame {frame}: {found:?}");
+    }
+    let after = height(&simulation);
+    assert!(after > before + 0.25, "{before} {after}");
+}
+
+/// At the end of each frame no edge crosses a triangle, in both frameworks and in all scenes that collide.
+#[test]
+fn nothing_crosses_at_the_end_of_a_frame() {
+    let scenes: [(Scene, usize); 3] = [(noodles(2), 14), (heap(5), 20), (stack(2), 40)];
+    for (scene, n_frames) in scenes {
+        let triangles = scene.build(".".as_ref()).unwrap().0.surface().to_vec();
+        for framework in [Framework::default(), Framework::PositionBased] {
+            let solver = Solver { framework, ..Solver::default() };
+            let mut simulation = Simulation::new(&scene, solver).unwrap();
+            assert!(crossings(simulation.positions(), &triangles).is_empty(), "{} at the start", scene.name);
+            let mut contacts = 0;
+            for frame in 0..n_frames {
+                contacts += simulation.step(Budget::iterations(6)).unwrap().contacts.contacts;
+                let found = crossings(simulation.positions(), &triangles);
+                assert!(found.is_empty(), "{}, frame {frame}, {framework:?}: {found:?}", scene.name);
+            }
+            println!("{}, {framework:?}: {contacts} contacts", scene.name);
+            assert!(contacts > 1000, "{}: {contacts}", scene.name);
+        }
+    }
+}
