@@ -2,17 +2,11 @@
 
 struct Params {
     compliance: f32,
-    omega: f32,
-    friction: u32,
-    squared_h: f32,
 }
-
-const MULTIPLIER = 1u;
-const REACH = 2u;
 
 @group(0) @binding(3) var<uniform> params: Params;
 @group(1) @binding(0) var<storage, read> contacts: array<Contact>;
-@group(1) @binding(1) var<storage, read> mobility: array<f32>;
+@group(1) @binding(1) var<storage, read> inverse_masses: array<f32>;
 @group(1) @binding(2) var<storage, read_write> q: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> lambdas: array<vec4<f32>>;
 
@@ -20,35 +14,22 @@ fn scatter(i: u32) {
     let contact = contacts[i];
     let p = contact.particles;
     let a = contact.weights;
-    let w = vec4(mobility[p.x], mobility[p.y], mobility[p.z], mobility[p.w]) * a;
+    let w = vec4(inverse_masses[p.x], inverse_masses[p.y], inverse_masses[p.z], inverse_masses[p.w]) * a;
     let softness = dot(w, a);
     if !(softness > 0.0) {
         return;
     }
     let compliance = params.compliance * softness;
-    let scale = min(params.omega, 1.0) / (softness + compliance);
+    let scale = 1.0 / (softness + compliance);
     let aq = weighed(a, q[p.x].xyz, q[p.y].xyz, q[p.z].xyz, q[p.w].xyz);
     let lambda = lambdas[i];
     let along = max(lambda.w + scale * (depth(contact, aq) - compliance * lambda.w), 0.0);
     let held = lambda.xyz;
-    let slipped = slip(contact, aq);
-    var across = vec3(0.0);
-    if params.friction == MULTIPLIER {
-        across = held - (slipped + held * compliance) * scale;
-        let most = contact.friction * along;
-        let size = length(across);
-        if size > most {
-            across *= most / size;
-        }
-    } else if params.friction == REACH && along > 0.0 && contact.friction > 0.0 {
-        let taken = contact.friction * along * contact.inverse_mass * params.squared_h;
-        let reach = max(contact.ahead - taken, 0.0);
-        let free = slipped - held * softness;
-        let size = length(free);
-        if size > reach {
-            across = free * ((reach / size - 1.0) / (softness + compliance));
-        }
-        across = held + (across - held) * min(params.omega, 1.0);
+    var across = held - (slip(contact, aq) + held * compliance) * scale;
+    let most = contact.friction * along;
+    let size = length(across);
+    if size > most {
+        across *= most / size;
     }
     let step = contact.normal * (along - lambda.w) + (across - held);
     lambdas[i] = vec4(across, along);

@@ -54,11 +54,8 @@ impl Select for MeetSolid {
             origin,
             free: 1,
             way: moved,
-            ahead: 0.0,
-            inverse_mass: from.w,
-            padding: [0; 3],
+            padding: 0,
         };
-        own.ahead = own.slip(to.truncate()).length();
         true
     }
 }

@@ -42,10 +42,7 @@ fn select_element(i: u32) -> bool {
         origin,
         1u,
         moved,
-        0.0,
-        first.w,
-        array<u32, 3>(),
+        0u,
     );
-    contacts[i].ahead = length(slip(contacts[i], q_to[i].xyz));
     return true;
 }

@@ -13,7 +13,6 @@ mod deepest;
 mod draw_color;
 mod drift;
 mod find_value;
-mod has_color;
 mod held_velocity;
 mod hit;
 mod hold;
@@ -28,6 +27,7 @@ mod settle_color;
 mod shorten;
 mod solid;
 mod swept_box;
+mod thin;
 mod touch;
 
 use bytemuck::{Pod, Zeroable};
@@ -43,10 +43,9 @@ pub use deepest::Deepest;
 pub use draw_color::{ClaimUniform, DrawColor};
 pub use drift::{Drift, DriftUniform};
 pub use find_value::{FindValue, FindValueUniform};
-pub use has_color::{HasColor, HasColorUniform};
 pub use held_velocity::{HeldVelocity, HeldVelocityUniform};
 pub use hit::{Hit, HitUniform};
-pub use hold::{Friction, Hold, HoldUniform};
+pub use hold::{Hold, HoldUniform};
 pub use keep_out::KeepOut;
 pub use meet::{LEVELS, Meet, MeetUniform};
 pub use meet_solid::MeetSolid;
@@ -58,6 +57,7 @@ pub use settle_color::SettleColor;
 pub use shorten::{Shorten, ShortenUniform};
 pub use solid::{Solid, SolidShape};
 pub use swept_box::{SweptBox, SweptBoxUniform};
+pub use thin::{KeepThin, Thin};
 pub use touch::{Touch, TouchUniform};
 
 const WGSL: &str = include_str!("mod.wgsl");
@@ -67,6 +67,9 @@ const COLORS: &str = include_str!("colors.wgsl");
 pub const N_COLORS: u32 = 64;
 /// No color.
 pub const NO_COLOR: u32 = u32::MAX;
+
+/// In [`Contact::free`]: its primitives are two edges.
+pub const BETWEEN_EDGES: u32 = 1 << 4;
 
 /// One contact, an inequality of positions q \[m\]: `normal · (Σ weights[k] · q[particles[k]] − origin) ≥ distance`.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -86,16 +89,12 @@ pub struct Contact {
     pub friction: f32,
     /// Point of a solid's surface at the end of the (small) step \[m\]; 0 between two primitives.
     pub origin: Vec3,
-    /// A bit for each particle that is free to move.
+    /// A bit for each particle that is free to move, and [`BETWEEN_EDGES`].
     pub free: u32,
     /// How far that point goes in the whole step \[m\].
     pub way: Vec3,
-    /// How far the two sides were predicted to slip along each other \[m\].
-    pub ahead: f32,
-    /// Σ weights²/m \[1/kg\].
-    pub inverse_mass: f32,
     /// Fills up what WGSL aligns.
-    pub padding: [u32; 3],
+    pub padding: u32,
 }
 
 impl Contact {
@@ -131,7 +130,7 @@ fn entry(particle: u32, color: u32, mask: u32) -> u32 {
 }
 
 /// Every kernel of this module.
-pub const SHADERS: [Shader; 22] = [
+pub const SHADERS: [Shader; 23] = [
     Shader::update::<Bound>(),
     Shader::lower::<ClaimColor, 4>(),
     Shader::map::<ContactDepth>(),
@@ -140,7 +139,6 @@ pub const SHADERS: [Shader; 22] = [
     Shader::map::<DrawColor>(),
     Shader::map::<Drift>(),
     Shader::expand::<FindValue>(),
-    Shader::select::<HasColor>(),
     Shader::map::<HeldVelocity>(),
     Shader::lower::<Hit, 9>(),
     Shader::scatter::<Hold, 4>(),
@@ -153,5 +151,7 @@ pub const SHADERS: [Shader; 22] = [
     Shader::select::<SettleColor>(),
     Shader::select::<Shorten>(),
     Shader::map::<SweptBox>(),
+    Shader::select::<KeepThin>(),
+    Shader::scatter::<Thin, 1>(),
     Shader::expand::<Touch>(),
 ];

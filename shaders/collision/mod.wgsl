@@ -15,10 +15,10 @@ struct Contact {
     origin: vec3<f32>,
     free: u32,
     way: vec3<f32>,
-    ahead: f32,
-    inverse_mass: f32,
-    padding: array<u32, 3>,
+    padding: u32,
 }
+
+const BETWEEN_EDGES = 16u;
 
 // The sum of weights and positions, relative to the first where nothing would cancel.
 fn weighed(weights: vec4<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f32>) -> vec3<f32> {

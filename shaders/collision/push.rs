@@ -1,17 +1,15 @@
-//! What contacts ask of a sweep over the rows of Y.
+//! What contacts do, as forces.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 
 use super::Contact;
-use super::hold::vector;
 use crate::{HostViews, Kernel, Scatter};
 
-/// Adds to the anchors of contact `i`'s particles what its force has changed by since it last did, over the anchor's weight: so a vertex that is relaxed
-/// feels the force. Reads (contacts, multipliers \[N\]), writes anchors \[m\], whose w is their weight \[N/m\], and the multipliers that
-/// they have.
+/// Adds the force of contact `i`, its multiplier times a scale, to its particles. Reads (contacts), writes forces \[N\]; the multipliers stay as
+/// they are.
 ///
-/// A device may round otherwise: by 10⁻⁶ of the force over the weight.
+/// A device may round otherwise: by 10⁻⁶ of the force.
 #[derive(Debug)]
 pub struct Push;
 
@@ -19,7 +17,7 @@ pub struct Push;
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct PushUniform {
-    /// What the multiplier is taken times.
+    /// What the multiplier is taken times \[1/s²\].
     pub scale: f32,
 }
 
@@ -27,7 +25,7 @@ impl Kernel for Push {
     const NAME: &'static str = "push";
     const WGSL: &'static [&'static str] = &[super::WGSL, include_str!("push.wgsl")];
     type Uniform = PushUniform;
-    type Inputs = (Contact, Vec4);
+    type Inputs = (Contact,);
 }
 
 impl Scatter<4> for Push {
@@ -37,19 +35,16 @@ impl Scatter<4> for Push {
     fn scatter(
         i: u32,
         uniform: &PushUniform,
-        (contacts, lambdas): HostViews<'_, Self>,
-        anchors: &[Vec4],
-        pushed: &mut Vec4,
+        (contacts,): HostViews<'_, Self>,
+        forces: &[Vec4],
+        lambda: &mut Vec4,
     ) -> [Option<(u32, Vec4)>; 4] {
         let contact = &contacts[i as usize];
-        let step = vector(contact, lambdas[i as usize] - *pushed) * uniform.scale;
-        *pushed = lambdas[i as usize];
+        let force = (contact.normal * lambda.w + lambda.truncate()) * uniform.scale;
         std::array::from_fn(|slot| {
             let (particle, a) = (contact.particles[slot], contact.weights[slot]);
-            (contact.is_free(slot) && a != 0.0).then(|| {
-                let anchor = anchors[particle as usize];
-                (particle, anchor + (step * (a / anchor.w)).extend(0.0))
-            })
+            (contact.is_free(slot) && a != 0.0)
+                .then(|| (particle, forces[particle as usize] + (force * a).extend(0.0)))
         })
     }
 }

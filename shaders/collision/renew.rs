@@ -7,7 +7,7 @@ use super::Contact;
 use crate::{HostViews, Kernel, Map};
 
 /// Makes contact `i` that of the next small step: a solid's point stands elsewhere, and slips count from where the small step begins. Reads
-/// (positions there, positions predicted for its end \[m\]).
+/// (positions there \[m\]).
 ///
 /// A device may round otherwise: places differ by 10⁻⁶ of their size.
 #[derive(Debug)]
@@ -27,15 +27,14 @@ impl Kernel for Renew {
     const NAME: &'static str = "renew";
     const WGSL: &'static [&'static str] = &[super::WGSL, include_str!("renew.wgsl")];
     type Uniform = RenewUniform;
-    type Inputs = (Vec4, Vec4);
+    type Inputs = (Vec4,);
 }
 
 impl Map for Renew {
     type Output = Contact;
 
-    fn map(_: u32, uniform: &RenewUniform, (before, predicted): HostViews<'_, Self>, own: &mut Contact) {
+    fn map(_: u32, uniform: &RenewUniform, (before,): HostViews<'_, Self>, own: &mut Contact) {
         own.origin += own.way * uniform.on;
         own.start = own.apply(before) + own.way * uniform.share;
-        own.ahead = own.slip(own.apply(predicted)).length();
     }
 }

@@ -7,8 +7,7 @@ struct Params {
 
 @group(0) @binding(3) var<uniform> params: Params;
 @group(1) @binding(0) var<storage, read> before: array<vec4<f32>>;
-@group(1) @binding(1) var<storage, read> predicted: array<vec4<f32>>;
-@group(1) @binding(2) var<storage, read_write> contacts: array<Contact>;
+@group(1) @binding(1) var<storage, read_write> contacts: array<Contact>;
 
 fn map(i: u32) {
     var contact = contacts[i];
@@ -16,7 +15,5 @@ fn map(i: u32) {
     contact.origin += contact.way * params.on;
     let begun = weighed(contact.weights, before[p.x].xyz, before[p.y].xyz, before[p.z].xyz, before[p.w].xyz);
     contact.start = begun + contact.way * params.share;
-    let end = weighed(contact.weights, predicted[p.x].xyz, predicted[p.y].xyz, predicted[p.z].xyz, predicted[p.w].xyz);
-    contact.ahead = length(slip(contact, end));
     contacts[i] = contact;
 }

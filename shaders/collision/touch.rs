@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
-use super::Contact;
 use super::proximity::{self, EDGES, Motion, Nearest, is_clear, nearest, relative};
+use super::{BETWEEN_EDGES, Contact};
 use crate::{Expand, HostViews, Kernel};
 
 /// The contact of pair `i` if it comes near enough; its direction is from the time before it does, so from the side of the start. Reads
@@ -25,6 +25,8 @@ pub struct TouchUniform {
     pub margin: f32,
     /// Coulomb's coefficient \[1\].
     pub friction: f32,
+    /// Whether edges whose nearest points are not inside of both have a contact, too: an end is a point that has its own.
+    pub every_pair: u32,
 }
 
 /// Of the distance that a pair has at rest, what it has to keep if that is less than the thickness.
@@ -84,6 +86,10 @@ impl Expand for Touch {
         }
         let motion = Motion::new(pair, from, to);
         let Some((nearest, distance)) = met(uniform, &motion, &relative(pair, rest)) else { return };
+        let is_inside = nearest.weights.cmpne(Vec4::ZERO).all();
+        if motion.is_edges && uniform.every_pair == 0 && !is_inside {
+            return;
+        }
         let mut contact = Contact {
             particles,
             weights: nearest.weights,
@@ -92,14 +98,11 @@ impl Expand for Touch {
             start: Vec3::ZERO,
             friction: uniform.friction,
             origin: Vec3::ZERO,
-            free,
+            free: if motion.is_edges { free | BETWEEN_EDGES } else { free },
             way: Vec3::ZERO,
-            ahead: 0.0,
-            inverse_mass: Vec4::from([0, 1, 2, 3].map(weight)).dot(nearest.weights * nearest.weights),
-            padding: [0; 3],
+            padding: 0,
         };
         contact.start = contact.apply(from);
-        contact.ahead = contact.slip(contact.apply(to)).length();
         emit(contact);
     }
 }

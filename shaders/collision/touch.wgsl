@@ -4,6 +4,7 @@ struct Params {
     thickness: f32,
     margin: f32,
     friction: f32,
+    every_pair: u32,
 }
 
 const KEPT_AT_REST = 0.5;
@@ -62,14 +63,15 @@ fn expand(i: u32) {
     if !(size > TOUCHING * params.thickness) {
         return;
     }
+    if is_edges && params.every_pair == 0u && any(met.nearest.weights == vec4(0.0)) {
+        return;
+    }
     let place = next_place();
     if place < arrayLength(&contacts) {
         let weights = met.nearest.weights;
         let begun = weighed(weights, a.xyz, b.xyz, c.xyz, d.xyz);
         let normal = met.nearest.separation / size;
-        let inverse_mass = dot(vec4(a.w, b.w, c.w, d.w), weights * weights);
-        var contact = Contact(ids, weights, normal, distance, begun, params.friction, vec3(0.0), free, vec3(0.0), 0.0, inverse_mass, array<u32, 3>());
-        contact.ahead = length(slip(contact, weighed(weights, q_to[ids.x].xyz, q_to[ids.y].xyz, q_to[ids.z].xyz, q_to[ids.w].xyz)));
-        contacts[place] = contact;
+        let flags = free | select(0u, BETWEEN_EDGES, is_edges);
+        contacts[place] = Contact(ids, weights, normal, distance, begun, params.friction, vec3(0.0), flags, vec3(0.0), 0u);
     }
 }

@@ -12,9 +12,10 @@ use vivace_kernels::Backend;
 use vivace_kernels::collision::{
     Bound, BoundUniform, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, Contact, ContactDepth,
     ContactEnergy, ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue,
-    FindValueUniform, HasColor, HasColorUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut, LEVELS, Meet,
-    MeetSolid, MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, SHADERS, SettleColor,
-    Shorten, ShortenUniform, Solid, SolidShape, SweptBox, SweptBoxUniform, Touch, TouchUniform,
+    FindValueUniform, HeldVelocity, HeldVelocityUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut,
+    KeepThin, LEVELS, Meet, MeetSolid, MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor,
+    Renew, RenewUniform, SHADERS, SettleColor, Shorten, ShortenUniform, Solid, SolidShape, SweptBox,
+    SweptBoxUniform, Thin, Touch, TouchUniform,
 };
 use vivace_mesh::{TriMesh, cloth};
 use vivace_model::{Forces, Model, ModelBuilder, State};
@@ -73,8 +74,8 @@ impl Left {
     fn contacts(kernel: &'static str, contacts: &[Contact], bound: f32) -> Self {
         let of = |c: &Contact| [c.particles.as_slice(), &[c.free]].concat();
         let numbers = |c: &Contact| {
-            let vectors = [c.origin, c.normal, c.start].map(|v: Vec3| v.to_array()).concat();
-            let rest = [c.distance, c.friction, c.ahead, c.inverse_mass];
+            let vectors = [c.origin, c.normal, c.start, c.way].map(|v: Vec3| v.to_array()).concat();
+            let rest = [c.distance, c.friction];
             [c.weights.to_array().as_slice(), &vectors, &rest].concat()
         };
         Self {
@@ -291,7 +292,7 @@ fn contacts<B: Backend>(backend: &B, data: &Data, room: usize) -> Result<Found<C
     let (pairs, rest) = (backend.upload(&data.pairs), backend.upload(&data.rest));
     let (from, to) = (backend.upload(&data.from), backend.upload(&data.to));
     let list = sample_of(backend, data.pairs.len(), KEY);
-    let uniform = TouchUniform { thickness: 0.02, margin: 0.02, friction: 0.4 };
+    let uniform = TouchUniform { thickness: 0.02, margin: 0.02, friction: 0.4, every_pair: 0 };
     let mut contacts = backend.upload(&vec![Contact::zeroed(); room]);
     let mut counts = backend.filled(2, 0);
     let inputs = (backend.view(&pairs), backend.view(&rest), backend.view(&from), backend.view(&to));
@@ -332,11 +333,9 @@ fn colored<B: Backend>(
     Ok((backend.read(drawn)?, backend.read(entries)?, backend.read(colors)?))
 }
 
-/// Contacts of one color.
-fn class<B: Backend>(backend: &B, data: &Data, color: u32) -> B::List {
-    let mut colors = backend.upload(&data.colors);
-    let mut all = backend.all(data.contacts.len());
-    backend.select::<HasColor>(&mut all, &HasColorUniform { color }, (), &mut colors)
+/// Contacts by color.
+fn classes<B: Backend>(backend: &B, data: &Data) -> Vec<B::List> {
+    backend.group_by(&backend.upload(&data.colors), N_COLORS)
 }
 
 /// What every kernel leaves.
@@ -364,24 +363,22 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
             Left::words("settle_color", &colors),
         ]);
     }
-    for color in [0, 3, N_COLORS - 1, NO_COLOR] {
-        left.push(Left::words("has_color", &backend.indices(&class(backend, data, color))?));
+    for list in &classes(backend, data) {
+        left.push(Left::words("group_by", &backend.indices(list)?));
     }
+    left.extend(thin(backend, data)?);
 
     let contacts = backend.upload(&data.contacts);
     let list = sample_of(backend, data.contacts.len(), KEY);
     let mobility = backend.upload(&data.mobility);
-    let (mut q, mut anchors) = (guarded(backend, &data.to), guarded(backend, &data.from));
+    let (mut q, mut forces) = (guarded(backend, &data.to), guarded(backend, &data.from));
     let mut lambdas = guarded(backend, &data.lambdas);
-    let mut pushed = guarded(backend, &vec![Vec4::ZERO; data.contacts.len()]);
-    for color in 0..N_COLORS {
-        let class = class(backend, data, color);
-        let omega = if color % 2 == 0 { 1.3 } else { 0.7 };
-        let uniform = HoldUniform { compliance: 0.1, omega, friction: color % 3, squared_h: 0.01 };
+    for class in classes(backend, data) {
+        let uniform = HoldUniform { compliance: 0.1 };
         let inputs = (backend.view(&contacts), backend.view(&mobility));
         backend.scatter::<Hold, 4>(&class, &uniform, inputs, &mut q, &mut lambdas);
-        let inputs = (backend.view(&contacts), backend.view(&lambdas));
-        backend.scatter::<Push, 4>(&class, &PushUniform { scale: 0.5 }, inputs, &mut anchors, &mut pushed);
+        let inputs = (backend.view(&contacts),);
+        backend.scatter::<Push, 4>(&class, &PushUniform { scale: 0.5 }, inputs, &mut forces, &mut lambdas);
     }
     let mut numbers = guarded(backend, &vec![0.0_f32; data.contacts.len()]);
     let inputs = (backend.view(&contacts), backend.view(&mobility), backend.view(&q));
@@ -389,8 +386,7 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
     backend.map::<ContactEnergy>(&list, &uniform, inputs, &mut numbers);
     left.extend([
         Left::numbers("hold", &backend.read(lambdas)?, 1e-4),
-        Left::numbers("push", &backend.read(anchors)?, 1e-4),
-        Left::numbers("push", &backend.read(pushed)?, 1e-4),
+        Left::numbers("push", &backend.read(forces)?, 1e-4),
         Left::numbers("contact_energy", &backend.read(numbers)?, 1e-5),
     ]);
     let mut depths = guarded(backend, &vec![0.0_f32; data.contacts.len()]);
@@ -405,9 +401,33 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
         Left::numbers("deepest", &[f32::from_bits(!turned[0])], 1e-6),
         Left::words("deepest", &turned[1..]),
     ]);
+    let mut renewed = backend.upload(&data.contacts);
+    let before = backend.upload(&data.from);
+    let uniform = RenewUniform { on: -0.75, share: 0.25 };
+    backend.map::<Renew>(&list, &uniform, (backend.view(&before),), &mut renewed);
+    left.push(Left::contacts("renew", &backend.read(renewed)?, 1e-6));
     left.extend(guard(backend, data)?);
     left.extend(solids(backend, data)?);
     Ok(left)
+}
+
+/// Which contacts are kept, and how points are held. Distances are rounded: what ties on one backend ties on the other where both begin alike.
+fn thin<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
+    let (contacts, to) = (backend.upload(&data.contacts), backend.upload(&data.to));
+    let n = data.contacts.len();
+    let counts = backend.upload(&[u32::try_from(n).expect("few"), 0]);
+    let mut held = guarded(backend, &vec![Vec4::ZERO; data.to.len()]);
+    let mut is_kept = guarded(backend, &vec![sentinel::<u32>(); n]);
+    let inputs = (backend.view(&contacts), backend.view(&to), backend.view(&counts));
+    let mut list = backend.all(n);
+    backend.scatter::<Thin, 1>(&list, &(), inputs, &mut held, &mut is_kept);
+    let inputs = (backend.view(&contacts), backend.view(&held));
+    let kept = backend.select::<KeepThin>(&mut list, &(), inputs, &mut is_kept);
+    Ok(vec![
+        Left::words("thin", &backend.read(is_kept)?),
+        Left::words("thin", &backend.read(held)?),
+        Left::words("keep_thin", &backend.indices(&kept)?),
+    ])
 }
 
 fn guard<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
@@ -437,6 +457,14 @@ fn guard<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
             Left::words("shorten", &backend.indices(&shortened)?),
         ]);
     }
+    let held = |k: usize| if k % 3 == 0 { data.to[k] } else { data.from[k] };
+    let q = backend.upload(&(0..data.to.len()).map(held).collect::<Vec<_>>());
+    let mut velocities = guarded(backend, &data.rest);
+    let list = sample_of(backend, n as usize, KEY);
+    let inputs = (backend.view(&q), backend.view(&to), backend.view(&from));
+    let uniform = HeldVelocityUniform { scale: 60.0 };
+    backend.map::<HeldVelocity>(&list, &uniform, inputs, &mut velocities);
+    left.push(Left::numbers("held_velocity", &backend.read(velocities)?, 1e-6));
     let mut found = guarded(backend, &[sentinel::<u32>(); 3]);
     let mut counts = backend.filled(2, 0);
     let list = sample_of(backend, data.parts.len(), KEY);
@@ -459,9 +487,14 @@ fn solids<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
         let mut contacts = backend.upload(&none);
         let inputs = (backend.view(&from), backend.view(&to), backend.view(&values));
         let found = backend.select::<MeetSolid>(&mut list, solid, inputs, &mut contacts);
+        left.extend([Left::words("meet_solid", &backend.indices(&found)?)]);
+        let met = backend.read(contacts)?;
+        let mut renewed = backend.upload(&met);
+        let uniform = RenewUniform { on: -0.75, share: 0.25 };
+        backend.map::<Renew>(&found, &uniform, (backend.view(&to),), &mut renewed);
         left.extend([
-            Left::words("meet_solid", &backend.indices(&found)?),
-            Left::contacts("meet_solid", &backend.read(contacts)?, 1e-4),
+            Left::contacts("meet_solid", &met, 1e-4),
+            Left::contacts("renew", &backend.read(renewed)?, 1e-4),
         ]);
         for slides in [0, 1] {
             let mut q = guarded(backend, &data.to);

@@ -49,7 +49,7 @@ fn a_cloth_at_rest_on_a_sphere_stays_at_rest() {
             }
             last
         };
-        run(240, &mut state);
+        run(360, &mut state);
         let before = state.positions.clone();
         let report = run(30, &mut state);
         let moved = crate::distance(&before, &state.positions);

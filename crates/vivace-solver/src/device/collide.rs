@@ -4,11 +4,9 @@
 //! curve at rest, and each frame fits the boxes anew. Pairs, contacts and colors are born and stay on the device; the host reads how many
 //! there were when a step is reported.
 //!
-//! Contacts come after all other constraints in an iteration, color by color, those with obstacles first, which share no particle. Each
-//! has a multiplier. In Position Based Dynamics, and in small steps of Projective Dynamics, they are constraints of XPBD. In one step of
-//! Projective Dynamics a contact is solved together with its particles by their own rows of Y, and its force then moves their anchors: a sweep
-//! feels it without knowing of contacts, and where nothing moves any more, that is the minimum with contacts as energies. So contacts change
-//! neither graph nor classes of the vertices; what is colored in each frame is their own graph.
+//! Contacts come after all other constraints in an iteration, color by color, those with obstacles first, which share no particle: as
+//! constraints of XPBD, in both frameworks. In Projective Dynamics a sweep over the vertices knows nothing of them, and they put right what
+//! it did. So contacts change neither graph nor classes of the vertices; what is colored in each frame is their own graph.
 
 use std::sync::Arc;
 
@@ -17,10 +15,9 @@ use vivace_collision::{Detector, Field, Obstacle, Options, Pose, Shape};
 use vivace_kernels::collision::{
     Bound, BoundUniform, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, Contact, ContactDepth,
     ContactEnergy, ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue,
-    FindValueUniform, Friction, HasColor, HasColorUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut,
-    LEVELS, Meet, MeetSolid, MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, Renew,
-    RenewUniform, SettleColor, Shorten, ShortenUniform, Solid, SolidShape, SweptBox, SweptBoxUniform, Touch,
-    TouchUniform,
+    FindValueUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut, KeepThin, LEVELS, Meet, MeetSolid,
+    MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, Renew, RenewUniform, SettleColor,
+    Shorten, ShortenUniform, Solid, SolidShape, SweptBox, SweptBoxUniform, Thin, Touch, TouchUniform,
 };
 use vivace_kernels::coloring::{SetValue, SetValueUniform};
 use vivace_kernels::step::{ExtrapolateUniform, SetVector, SetVectorUniform, Watch};
@@ -28,7 +25,7 @@ use vivace_kernels::{Backend, Params, pcg};
 
 use super::history::History;
 use super::sums::Sums;
-use crate::contacts::{DELAY, SmallStep};
+use crate::contacts::{STIFFNESS, SmallStep};
 use crate::error::narrow;
 use crate::pbd;
 use crate::{ContactReport, SolverError};
@@ -38,12 +35,12 @@ const PAIRS: usize = 32;
 const FEWEST_PAIRS: usize = 1 << 12;
 const MOST_PAIRS: usize = 1 << 23;
 /// Contacts for which there is room, in the same way.
-const CONTACTS: usize = 1;
-const FEWEST_CONTACTS: usize = 1 << 10;
+const CONTACTS: usize = 4;
+const FEWEST_CONTACTS: usize = 1 << 11;
 const MOST_CONTACTS: usize = 1 << 20;
 /// What there is more of where something found no room.
 const GROWTH: usize = 2;
-/// Entries of particles' colors for a contact: four in use when all have room.
+/// Entries of particles' colors for a contact: four in use by each that is kept, and most are not.
 const ENTRIES: usize = 8;
 /// Rounds of the coloring.
 const COLOR_ROUNDS: u32 = 16;
@@ -68,7 +65,10 @@ pub(super) struct Collider<B: Backend> {
     rest: B::Buffer<Vec4>,
     drift: B::Buffer<Vec4>,
     no_drift: B::Buffer<Vec4>,
-    /// The particles of the surface, and 1 for each of them.
+    all: B::List,
+    /// In which direction a contact holds each particle, if one does.
+    held: B::Buffer<Vec4>,
+    /// The particles of the surface, and 0 for each of them.
     particles: B::List,
     is_on_surface: B::Buffer<u32>,
     pairs: B::Buffer<[u32; 4]>,
@@ -81,18 +81,11 @@ pub(super) struct Collider<B: Backend> {
     n_entries: u32,
     classes: Vec<B::List>,
     solids: Vec<Standing<B>>,
-    /// How far each particle moves under an impulse of 1 \[1/kg\], and, in Projective Dynamics, under a force of 1 \[m/N\].
+    /// Inverse masses \[1/kg\], and, in Projective Dynamics, one over the diagonal of Y \[m/N\].
     inverse_masses: B::Buffer<f32>,
     inverse_diagonal: Option<B::Buffer<f32>>,
-    /// How much stiffer a contact is than what it holds, see [`HoldUniform`].
-    stiffness: f32,
-    /// Whether multipliers are forces, which push anchors.
-    pushes: bool,
     /// Whether the contacts that were found are those of the small step.
     is_on: bool,
-    /// The (small) time step, squared \[s²\], and how often contacts were projected in it.
-    squared_h: f32,
-    n_sweeps: u32,
     parts: B::Buffer<u32>,
     no_items: B::Buffer<u32>,
     counts: Counts<B>,
@@ -103,7 +96,9 @@ pub(super) struct Collider<B: Backend> {
 /// How many there were, and how many found no room; and turned bits of the largest depth.
 struct Counts<B: Backend> {
     pairs: B::Buffer<u32>,
+    /// Before others were left out, and after.
     contacts: B::Buffer<u32>,
+    kept: B::Buffer<u32>,
     outside: B::Buffer<u32>,
     uncolored: B::Buffer<u32>,
     held: B::Buffer<u32>,
@@ -118,8 +113,6 @@ struct Set<B: Backend> {
     n: u32,
     contacts: B::Buffer<Contact>,
     lambdas: B::Buffer<Vec4>,
-    /// What of them anchors have: in Projective Dynamics.
-    pushed: Option<B::Buffer<Vec4>>,
     history: History<B>,
 }
 
@@ -147,7 +140,6 @@ impl<B: Backend> Set<B> {
             n,
             contacts: backend.upload(&vec![bytemuck::Zeroable::zeroed(); n as usize]),
             lambdas: backend.filled(n as usize, Vec4::ZERO),
-            pushed: None,
             history: History::new(backend, n, n),
         }
     }
@@ -155,9 +147,7 @@ impl<B: Backend> Set<B> {
     /// Forgets the multipliers: a time step begins.
     fn begin(&mut self, backend: &B) {
         let nothing = SetVectorUniform { value: Vec4::ZERO };
-        for lambdas in [Some(&mut self.lambdas), self.pushed.as_mut()].into_iter().flatten() {
-            backend.map::<SetVector>(&self.all, &nothing, (), lambdas);
-        }
+        backend.map::<SetVector>(&self.all, &nothing, (), &mut self.lambdas);
         self.history.begin(backend, &self.lambdas);
     }
 
@@ -167,17 +157,11 @@ impl<B: Backend> Set<B> {
         backend: &B,
         list: &B::List,
         uniform: &HoldUniform,
-        mobility: &B::Buffer<f32>,
+        inverse_masses: &B::Buffer<f32>,
         q: &mut B::Buffer<Vec4>,
-        anchors: Option<&mut B::Buffer<Vec4>>,
     ) {
-        let inputs = (backend.view(&self.contacts), backend.view(mobility));
+        let inputs = (backend.view(&self.contacts), backend.view(inverse_masses));
         backend.scatter::<Hold, 4>(list, uniform, inputs, q, &mut self.lambdas);
-        if let Some(anchors) = anchors {
-            let pushed = self.pushed.get_or_insert_with(|| backend.filled(self.n as usize, Vec4::ZERO));
-            let inputs = (backend.view(&self.contacts), backend.view(&self.lambdas));
-            backend.scatter::<Push, 4>(list, &PushUniform { scale: 1.0 }, inputs, anchors, pushed);
-        }
     }
 }
 
@@ -332,9 +316,9 @@ impl<B: Backend> Collider<B> {
             [triangles.len(), edges.len(), vertices.len()].map(|n| n as u32);
         let trees = Trees::new(n_triangles, n_edges, n_vertices);
         let mut rest_here = vec![Vec4::ZERO; place.len()];
-        let mut is_on_surface = vec![0; place.len()];
+        let mut is_on_surface = vec![1; place.len()];
         place.iter().zip(rest).for_each(|(&at, v)| rest_here[at as usize] = v.extend(0.0));
-        vertices.iter().for_each(|&v| is_on_surface[place[v as usize] as usize] = 1);
+        vertices.iter().for_each(|&v| is_on_surface[place[v as usize] as usize] = 0);
 
         let n_queries = if options.self_collision { edges.len() + vertices.len() } else { 0 };
         let room = |each: usize, [fewest, most]: [usize; 2]| {
@@ -343,13 +327,8 @@ impl<B: Backend> Collider<B> {
         let n_pairs = room(PAIRS, [FEWEST_PAIRS, MOST_PAIRS]);
         let n_contacts = room(CONTACTS, [FEWEST_CONTACTS, MOST_CONTACTS]).min(options.max_contacts);
         let n_contacts = narrow("contacts", n_contacts)?;
-        let mut flags = backend.upload(&is_on_surface);
-        let particles = backend.select::<HasColor>(
-            &mut backend.all(place.len()),
-            &HasColorUniform { color: 1 },
-            (),
-            &mut flags,
-        );
+        let flags = backend.upload(&is_on_surface);
+        let [particles] = backend.group_by(&flags, 1).try_into().unwrap_or_else(|_| unreachable!("one key"));
         let counts = || backend.filled(2, 0);
         let mut collider = Self {
             options,
@@ -359,6 +338,8 @@ impl<B: Backend> Collider<B> {
             rest: backend.upload(&rest_here),
             drift: backend.filled(1, Vec4::ZERO),
             no_drift: backend.filled(1, Vec4::ZERO),
+            all: backend.all(place.len()),
+            held: backend.filled(place.len(), Vec4::ZERO),
             particles,
             is_on_surface: flags,
             pairs: backend.filled(0, [0; 4]),
@@ -372,16 +353,13 @@ impl<B: Backend> Collider<B> {
             solids: Vec::new(),
             inverse_masses: backend.upload(inverse_masses),
             inverse_diagonal: None,
-            stiffness: pbd::CONTACT_STIFFNESS,
-            pushes: false,
             is_on: false,
-            squared_h: 1.0,
-            n_sweeps: 0,
             parts: backend.filled(2 * place.len() + 1, u32::MAX),
             no_items: backend.filled(0, 0),
             counts: Counts {
                 pairs: counts(),
                 contacts: counts(),
+                kept: counts(),
                 outside: counts(),
                 uncolored: counts(),
                 held: counts(),
@@ -443,11 +421,6 @@ impl<B: Backend> Collider<B> {
         backend.write(self.inverse_diagonal.get_or_insert_with(|| backend.filled(all.len(), 0.0)), &all);
     }
 
-    /// How far each particle moves under a multiplier of 1.
-    fn mobility(&self) -> &B::Buffer<f32> {
-        self.inverse_diagonal.as_ref().filter(|_| self.pushes).unwrap_or(&self.inverse_masses)
-    }
-
     /// How many contacts there may be, of each kind: for sums over them.
     pub(super) fn groups(&self) -> impl Iterator<Item = u32> {
         self.sets().map(|set| set.n)
@@ -463,8 +436,8 @@ impl<B: Backend> Collider<B> {
 
     /// Begins to count anew.
     fn clear_counts(&mut self, backend: &B) {
-        let Counts { pairs, contacts, outside, uncolored, held, .. } = &mut self.counts;
-        for counts in [pairs, contacts, outside, uncolored, held] {
+        let Counts { pairs, contacts, kept, outside, uncolored, held, .. } = &mut self.counts;
+        for counts in [pairs, contacts, kept, outside, uncolored, held] {
             set(backend, 0..2, 0, counts);
         }
     }
@@ -494,7 +467,7 @@ impl<B: Backend> Collider<B> {
             let mut others = self.particles.clone();
             touching.list = backend.select::<MeetSolid>(&mut others, &near, inputs, &mut touching.contacts);
             let (counts, no_items) = (&mut self.counts.outside, &mut self.no_items);
-            count(backend, &touching.list, 1, &self.is_on_surface, no_items, counts);
+            count(backend, &touching.list, 0, &self.is_on_surface, no_items, counts);
         }
         if self.trees.meet.n_triangles > 0 {
             let uniform = DriftUniform { first: self.trees.first_vertex(), n: self.trees.n_vertices };
@@ -502,6 +475,9 @@ impl<B: Backend> Collider<B> {
             backend.map::<Drift>(&backend.range(0..1), &uniform, inputs, &mut self.drift);
             let pairs = self.meet(backend, from, to, true, thickness + margin);
             self.touch(backend, &pairs, from, to);
+            if !self.options.every_pair {
+                self.thin(backend, to);
+            }
             self.color(backend);
         }
         Ok(is_new)
@@ -535,12 +511,23 @@ impl<B: Backend> Collider<B> {
 
     /// Contacts of pairs.
     fn touch(&mut self, backend: &B, pairs: &B::List, from: &B::Buffer<Vec4>, to: &B::Buffer<Vec4>) {
-        let Options { thickness, margin, friction, .. } = self.options;
-        let uniform = TouchUniform { thickness, margin, friction };
+        let Options { thickness, margin, friction, every_pair, .. } = self.options;
+        let uniform = TouchUniform { thickness, margin, friction, every_pair: every_pair.into() };
         let (rest, touching) = (backend.view(&self.rest), &mut self.touching);
         let inputs = (backend.view(&self.pairs), rest, backend.view(from), backend.view(to));
         let counts = &mut self.counts.contacts;
         touching.list = backend.expand::<Touch>(pairs, &uniform, inputs, &mut touching.contacts, counts);
+    }
+
+    /// Leaves out contacts that others imply where particles go `to` \[m\].
+    fn thin(&mut self, backend: &B, to: &B::Buffer<Vec4>) {
+        let Self { touching, held, colors, counts, all, .. } = self;
+        backend.map::<SetVector>(all, &SetVectorUniform { value: Vec4::ZERO }, (), held);
+        let contacts = backend.view(&touching.contacts);
+        let inputs = (contacts, backend.view(to), backend.view(&counts.contacts));
+        backend.scatter::<Thin, 1>(&touching.list, &(), inputs, held, colors);
+        let inputs = (contacts, backend.view(held));
+        touching.list = backend.select::<KeepThin>(&mut touching.list, &(), inputs, colors);
     }
 
     /// Colors contacts.
@@ -549,7 +536,9 @@ impl<B: Backend> Collider<B> {
         let all_entries = backend.range(0..self.n_entries);
         set(backend, 0..self.n_entries, u32::MAX, &mut self.entries);
         let nothing = SetValueUniform { value: NO_COLOR };
-        backend.map::<SetValue>(&self.touching.list, &nothing, (), &mut self.colors);
+        backend.map::<SetValue>(&self.touching.all, &nothing, (), &mut self.colors);
+        let (counts, no_items) = (&mut self.counts.kept, &mut self.no_items);
+        count(backend, &self.touching.list, NO_COLOR, &self.colors, no_items, counts);
         let mut left = self.touching.list.clone();
         let Self { touching, drawn, entries, colors, .. } = self;
         let contacts = &touching.contacts;
@@ -570,70 +559,43 @@ impl<B: Backend> Collider<B> {
         }
         let (counts, no_items) = (&mut self.counts.uncolored, &mut self.no_items);
         count(backend, &left, NO_COLOR, &self.colors, no_items, counts);
-        let mut others = self.touching.list.clone();
+        // What the last lists hold goes to those that come.
         self.classes.clear();
-        self.classes.extend((0..N_COLORS).map(|color| {
-            backend.select::<HasColor>(&mut others, &HasColorUniform { color }, (), &mut self.colors)
-        }));
+        self.classes = backend.group_by(&self.colors, N_COLORS);
     }
 
-    /// Takes what was found, for a small step from `before` that was `predicted` to end there \[m\]. Contacts are constraints of XPBD, or energies
-    /// so many times as stiff as what they hold, which push anchors.
-    pub(super) fn take(
-        &mut self,
-        backend: &B,
-        small: SmallStep,
-        energies: Option<f32>,
-        before: &B::Buffer<Vec4>,
-        predicted: &B::Buffer<Vec4>,
-    ) {
+    /// Takes what was found, for a small step from `before` \[m\].
+    pub(super) fn take(&mut self, backend: &B, small: SmallStep, before: &B::Buffer<Vec4>) {
         self.is_on = true;
-        self.pushes = energies.is_some();
-        self.stiffness = energies.unwrap_or(pbd::CONTACT_STIFFNESS);
         if small.n > 1 {
             let share = 1.0 / small.n as f32;
             // They were found for the end of the step.
             let on = if small.k == 0 { share - 1.0 } else { share };
             let uniform = RenewUniform { on, share };
             self.sets_mut().for_each(|set| {
-                let inputs = (backend.view(before), backend.view(predicted));
-                backend.map::<Renew>(&set.list, &uniform, inputs, &mut set.contacts);
+                backend.map::<Renew>(&set.list, &uniform, (backend.view(before),), &mut set.contacts);
             });
         }
     }
 
     /// Forgets the multipliers.
-    pub(super) fn begin(&mut self, backend: &B, h: f32) {
-        (self.squared_h, self.n_sweeps) = (h * h, 0);
+    pub(super) fn begin(&mut self, backend: &B) {
         self.sets_mut().for_each(|set| set.begin(backend));
     }
 
     /// Projects all contacts.
-    pub(super) fn relax(
-        &mut self,
-        backend: &B,
-        q: &mut B::Buffer<Vec4>,
-        mut anchors: Option<&mut B::Buffer<Vec4>>,
-    ) {
+    pub(super) fn relax(&mut self, backend: &B, q: &mut B::Buffer<Vec4>) {
         if !self.is_on {
             return;
         }
-        self.n_sweeps = self.n_sweeps.saturating_add(1);
-        let friction = match self.n_sweeps {
-            _ if !self.pushes => Friction::Multiplier,
-            ..=DELAY => Friction::None,
-            _ => Friction::Reach,
-        };
-        let (compliance, squared_h) = (self.stiffness.recip(), self.squared_h);
-        let uniform = HoldUniform { compliance, omega: 1.0, friction: friction as u32, squared_h };
-        let Self { solids, touching, classes, inverse_diagonal, inverse_masses, pushes, .. } = self;
-        let mobility = inverse_diagonal.as_ref().filter(|_| *pushes).unwrap_or(inverse_masses);
+        let uniform = HoldUniform { compliance: pbd::CONTACT_STIFFNESS.recip() };
+        let Self { solids, touching, classes, inverse_masses, .. } = self;
         for Standing { touching, .. } in solids {
             let list = touching.list.clone();
-            touching.relax(backend, &list, &uniform, mobility, q, anchors.as_deref_mut());
+            touching.relax(backend, &list, &uniform, inverse_masses, q);
         }
         for class in classes {
-            touching.relax(backend, class, &uniform, mobility, q, anchors.as_deref_mut());
+            touching.relax(backend, class, &uniform, inverse_masses, q);
         }
     }
 
@@ -657,27 +619,35 @@ impl<B: Backend> Collider<B> {
         self.sets_mut().for_each(|set| set.history.follow(backend, watch, &mut set.lambdas));
     }
 
-    /// Adds the energy of all contacts \[J\], where multipliers times `scale` are forces \[N\].
-    pub(super) fn add_energy(&self, backend: &B, scale: f32, q: &B::Buffer<Vec4>, sums: &mut Sums<B>) {
-        let uniform = ContactEnergyUniform { stiffness: self.stiffness * scale };
+    /// Adds the energy of all contacts \[J\] in a (small) step of `h` \[s\]: w d²/2, where w is so many times the stiffness of what they hold.
+    /// In Projective Dynamics that is none that is minimized, but tells whether they still are deep.
+    pub(super) fn add_energy(&self, backend: &B, h: f32, q: &B::Buffer<Vec4>, sums: &mut Sums<B>) {
+        let (mobility, stiffness) = match &self.inverse_diagonal {
+            Some(inverse_diagonal) => (inverse_diagonal, STIFFNESS),
+            None => (&self.inverse_masses, pbd::CONTACT_STIFFNESS / (h * h)),
+        };
+        let uniform = ContactEnergyUniform { stiffness };
         for set in self.sets() {
             sums.clear(backend);
-            let inputs = (backend.view(&set.contacts), backend.view(self.mobility()), backend.view(q));
+            let inputs = (backend.view(&set.contacts), backend.view(mobility), backend.view(q));
             backend.map::<ContactEnergy>(&set.list, &uniform, inputs, &mut sums.numbers);
             sums.add(backend, set.n);
         }
     }
 
-    /// Takes the forces of all contacts, multipliers times `scale`, from `gradients`, whose w is 1 \[N\].
-    pub(super) fn add_gradient(&self, backend: &B, scale: f32, gradients: &mut B::Buffer<Vec4>) {
+    /// Takes the forces of all contacts, multipliers times `scale`, from `gradients` \[N\].
+    pub(super) fn add_gradient(&mut self, backend: &B, scale: f32, gradients: &mut B::Buffer<Vec4>) {
         let uniform = PushUniform { scale: -scale };
-        let mut push = |set: &Set<B>, list: &B::List| {
-            let mut pushed = backend.filled(set.n as usize, Vec4::ZERO);
-            let inputs = (backend.view(&set.contacts), backend.view(&set.lambdas));
-            backend.scatter::<Push, 4>(list, &uniform, inputs, gradients, &mut pushed);
+        let mut push = |set: &mut Set<B>, list: &B::List| {
+            let inputs = (backend.view(&set.contacts),);
+            backend.scatter::<Push, 4>(list, &uniform, inputs, gradients, &mut set.lambdas);
         };
-        self.solids.iter().for_each(|standing| push(&standing.touching, &standing.touching.list));
-        self.classes.iter().for_each(|class| push(&self.touching, class));
+        let Self { solids, touching, classes, .. } = self;
+        for Standing { touching, .. } in solids {
+            let list = touching.list.clone();
+            push(touching, &list);
+        }
+        classes.iter().for_each(|class| push(touching, class));
     }
 
     /// Shortens the ways from `from` to `q` \[m\], taken as straight, so that nothing passes through.
@@ -749,13 +719,14 @@ impl<B: Backend> Collider<B> {
             backend.fetch(counts, &mut read)?;
             Ok(read.map(|n| n as usize))
         };
-        let Counts { pairs, contacts, outside, uncolored, held, deepest } = &self.counts;
-        let ([n, no_room], uncolored, outside) = (read(contacts)?, read(uncolored)?[1], read(outside)?[1]);
+        let Counts { pairs, contacts, kept, outside, uncolored, held, deepest } = &self.counts;
+        let (no_room, kept) = (read(contacts)?[1], read(kept)?[1]);
+        let (uncolored, outside) = (read(uncolored)?[1], read(outside)?[1]);
         let mut turned = [0];
         backend.fetch(deepest, &mut turned)?;
         let no_pairs = read(pairs)?[1];
         self.lacking = [no_pairs, no_room];
-        let n_contacts = n - uncolored + outside;
+        let n_contacts = kept - uncolored + outside;
         #[expect(clippy::cast_possible_truncation, reason = "depths are f32")]
         let mean_depth = (sums.total(backend)? / n_contacts.max(1) as f64) as f32;
         Ok(ContactReport {

@@ -21,7 +21,7 @@ use super::recolor::Recolor;
 use super::rows::DeviceRows;
 use super::sums::Sums;
 use super::watch::Watch;
-use crate::contacts::{STIFFNESS, SmallStep};
+use crate::contacts::SmallStep;
 use crate::error::narrow;
 use crate::pd::layout::Layout;
 use crate::pd::rows::Rows;
@@ -77,8 +77,6 @@ pub(super) struct Frame<B: Backend> {
     groups: Vec<u32>,
     sums: Sums<B>,
     contacts: Option<Collider<B>>,
-    /// The anchors as contacts push them; none where there are no contacts.
-    pushed: Option<B::Buffer<Vec4>>,
     watch: Watch<B, Omega>,
     conjugate_gradient: Option<ConjugateGradient<B>>,
     /// What the device could not do in this frame.
@@ -144,7 +142,6 @@ impl<B: Backend + 'static> Frame<B> {
             sums: Sums::new(backend, &groups),
             groups,
             contacts: None,
-            pushed: None,
             watch: Watch::new(backend),
             conjugate_gradient: is_linear_solver.then(|| ConjugateGradient::new(backend, n, n_free)),
             failed: None,
@@ -198,8 +195,7 @@ impl<B: Backend + 'static> Frame<B> {
 
     fn linear_residuals(&mut self, backend: &B, list: &B::List) {
         let (rows, taps) = (backend.view(&self.rows.rows), backend.view(&self.rows.taps));
-        let anchors = self.pushed.as_ref().unwrap_or(&self.anchors);
-        let (anchors, pulls) = (backend.view(anchors), backend.view(&self.pulls));
+        let (anchors, pulls) = (backend.view(&self.anchors), backend.view(&self.pulls));
         let inputs = (rows, taps, anchors, pulls, backend.view(&self.motion.q));
         backend.map::<LinearResidual>(list, &(), inputs, &mut self.residuals);
     }
@@ -207,8 +203,7 @@ impl<B: Backend + 'static> Frame<B> {
     fn fused_residuals(&mut self, backend: &B, list: &B::List) {
         let (rows, q) = (&self.rows, &self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let anchors = self.pushed.as_ref().unwrap_or(&self.anchors);
-        let (pulls, anchors) = (backend.view(&rows.pulls), backend.view(anchors));
+        let (pulls, anchors) = (backend.view(&rows.pulls), backend.view(&self.anchors));
         let inputs = (of_rows, taps, pulls, anchors, backend.view(q));
         backend.map::<FusedResidual>(list, &(), inputs, &mut self.residuals);
         self.passes.iter().for_each(|pass| pass.pull_fused(backend, list, q, &mut self.residuals));
@@ -234,8 +229,8 @@ impl<B: Backend + 'static> Frame<B> {
             pass.energies(backend, q, &mut self.sums.numbers);
             self.sums.add(backend, pass.len());
         }
-        if let Some(contacts) = self.contacts.as_ref().filter(|_| self.pushed.is_some()) {
-            contacts.add_energy(backend, 1.0, q, &mut self.sums);
+        if let Some(contacts) = &self.contacts {
+            contacts.add_energy(backend, self.h, q, &mut self.sums);
         }
     }
 
@@ -349,7 +344,6 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError> {
         let of = |detector| Collider::new(backend, detector, &self.layout.place, &self.motion.inverse_masses);
         self.contacts = detector.map(of).transpose()?;
-        self.pushed = None;
         // Contacts have to be told the diagonal.
         self.h = 0.0;
         self.fit_sums(backend);
@@ -370,20 +364,14 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     }
 
     fn take_contacts(&mut self, backend: &B, small: SmallStep) {
-        let Some(contacts) = &mut self.contacts else { return };
-        // As on the host: what a small step has to push back is little, and the direct step knows no contacts.
-        let is_apart = small.n > 1 || self.conjugate_gradient.is_some();
-        contacts.take(backend, small, (!is_apart).then_some(STIFFNESS), &self.motion.before, &self.motion.q);
-        if !is_apart && self.pushed.is_none() {
-            self.pushed = Some(backend.filled(self.layout.n_free, Vec4::ZERO));
-        } else if is_apart {
-            self.pushed = None;
+        if let Some(contacts) = &mut self.contacts {
+            contacts.take(backend, small, &self.motion.before);
         }
     }
 
     fn relax_contacts(&mut self, backend: &B) {
         if let Some(contacts) = &mut self.contacts {
-            contacts.relax(backend, &mut self.motion.q, self.pushed.as_mut());
+            contacts.relax(backend, &mut self.motion.q);
         }
     }
 
@@ -405,13 +393,10 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     }
 
     /// Makes anchors of what was predicted.
-    fn begin(&mut self, backend: &B, h: f32) {
+    fn begin(&mut self, backend: &B, _: f32) {
         let inputs = (backend.view(&self.motion.q), backend.view(&self.holds));
         backend.map::<Anchor>(&self.free, &(), inputs, &mut self.anchors);
-        if let Some(pushed) = &mut self.pushed {
-            backend.map::<CopyVector>(&self.free, &(), (backend.view(&self.anchors),), pushed);
-        }
-        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend, h));
+        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
         // All other relaxations remember before they extrapolate.
         if self.has_previous_in_place {
             self.history.begin(backend, &self.motion.q);
@@ -440,8 +425,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn relax_color(&mut self, backend: &B, color: usize, omega: f32) {
         let (rows, q) = (&self.rows, &mut self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let anchors = self.pushed.as_ref().unwrap_or(&self.anchors);
-        let (anchors, list) = (backend.view(anchors), &self.colors[color]);
+        let (anchors, list) = (backend.view(&self.anchors), &self.colors[color]);
         let known = &Omega { omega };
         let params = self.watch.sweep(known);
         match self.local {

@@ -98,7 +98,7 @@ impl<B: Backend + 'static> PositionBased<B> {
             kind.add_energy(backend, &motion.q, sums);
         }
         if let Some(contacts) = &self.contacts {
-            contacts.add_energy(backend, 1.0 / self.squared_h, &motion.q, sums);
+            contacts.add_energy(backend, self.squared_h.sqrt(), &motion.q, sums);
         }
     }
 
@@ -192,13 +192,13 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
 
     fn take_contacts(&mut self, backend: &B, small: SmallStep) {
         if let Some(contacts) = &mut self.contacts {
-            contacts.take(backend, small, None, &self.motion.before, &self.motion.q);
+            contacts.take(backend, small, &self.motion.before);
         }
     }
 
     fn relax_contacts(&mut self, backend: &B) {
         if let Some(contacts) = &mut self.contacts {
-            contacts.relax(backend, &mut self.motion.q, None);
+            contacts.relax(backend, &mut self.motion.q);
         }
     }
 
@@ -224,7 +224,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         backend.map::<CopyVector>(&self.particles, &(), (backend.view(q),), &mut self.predicted);
         self.history.begin(backend, q);
         self.kinds.iter_mut().for_each(|kind| kind.begin(backend));
-        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend, h));
+        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
     }
 
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32) {
@@ -306,9 +306,9 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn residual(&mut self, backend: &B) -> f64 {
-        let nothing = SetVectorUniform { value: Vec4::W };
+        let nothing = SetVectorUniform { value: Vec4::ZERO };
         backend.map::<SetVector>(&self.particles, &nothing, (), &mut self.gradients);
-        if let Some(contacts) = &self.contacts {
+        if let Some(contacts) = &mut self.contacts {
             contacts.add_gradient(backend, 1.0 / self.squared_h, &mut self.gradients);
         }
         let q = &self.motion.q;
