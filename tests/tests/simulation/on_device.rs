@@ -5,7 +5,8 @@ use vivace_collision::{Obstacle, Options, Pose, Shape};
 use vivace_cpu::Cpu;
 use vivace_model::{Forces, State};
 use vivace_solver::{
-    Base, Budget, Collisions, ContactReport, Framework, Relaxation, Solver, SolverError, System,
+    Base, Budget, Collisions, ContactReport, Framework, Preconditioner, Relaxation, Solver, SolverError,
+    System,
 };
 use vivace_tests::scenes::{Scene, plain};
 
@@ -150,6 +151,7 @@ fn nothing_passes_through() {
         let mut seen = ContactReport::default();
         for frame in 0..40 {
             let report = system.step(&mut state, &Forces::default(), H, Budget::iterations(10)).unwrap();
+            seen.contacts += report.contacts.contacts;
             seen.held_back += report.contacts.held_back;
             seen.left_out += report.contacts.left_out;
             assert_clean(
@@ -182,43 +184,119 @@ fn a_heap_stays_finite_and_inside() {
         let mut system = system(&scene, solver, options(0.3), &obstacles);
         let mut state = scene.1.clone();
         let mut seen = ContactReport::default();
-        for frame in 0..160 {
+        for frame in 0..120 {
             let report = system.step(&mut state, &Forces::default(), H, Budget::iterations(8)).unwrap();
             assert!(extent(&state) < 3.0, "frame {frame}");
+            seen.contacts += report.contacts.contacts;
             seen.left_out += report.contacts.left_out;
             if frame % 40 == 39 {
                 assert_clean(&scene.0, &state, &obstacles, &format!("frame {frame}"));
                 println!("{framework:?}, frame {frame}: {} m/s, {:?}", fastest(&state), report.contacts);
             }
         }
-        assert_eq!(seen.left_out, 0);
+        assert_eq!(seen.left_out, 0, "{framework:?}: {seen:?}");
         assert!(fastest(&state) < 1.0, "{framework:?}: {}", fastest(&state));
     }
 }
 
-/// Against the engine of the host, as long as few frames have let roundings grow: other colors, other order, another way to the same contacts.
+/// A sphere that rises by 0.2 m/s and turns about itself under a cloth.
+fn turning(frame: u32) -> Obstacle {
+    let pose = |k: u32| Pose {
+        position: Vec3::new(0.02, 0.003 * k as f32, -0.01),
+        rotation: Quat::from_rotation_y(0.05 * k as f32),
+    };
+    Obstacle { to: pose(frame + 1), ..Obstacle::fixed(Shape::Sphere { radius: 0.25 }, pose(frame), 0.4) }
+}
+
+/// Against the engine of the host, frame by frame from the same state. With obstacles a contact has one particle, and no order shows: what is
+/// left are roundings, which grow over 40 iterations.
 #[test]
 fn the_host_does_the_same() {
-    for (framework, bound) in FRAMEWORKS.into_iter().zip([2e-3, 2e-3, 2e-3]) {
-        let up = Pose { rotation: Quat::from_rotation_x(0.2), ..Pose::at(Vec3::new(0.05, 0.4, 0.03)) };
-        let scene = cloths(9, &[Pose::at(Vec3::new(0.01, 0.27, 0.0)), up]);
-        let obstacles = [sphere(0.25, 0.0), floor(-0.4, 0.0)];
-        let solver = Solver { framework, ..plain(Relaxation::default()) };
-        let mut on_device = system(&scene, solver, options(0.0), &obstacles);
+    let gauss_seidel = |framework, substeps| Solver { framework, substeps, ..plain(Relaxation::default()) };
+    let conjugate_gradient =
+        Relaxation::ConjugateGradient { preconditioner: Preconditioner::Jacobi, inner: 8 };
+    let solvers = [
+        gauss_seidel(Framework::PositionBased, 1),
+        gauss_seidel(Framework::PositionBased, 4),
+        gauss_seidel(Framework::FUSED, 4),
+        gauss_seidel(FRAMEWORKS[2], 4),
+        Solver { framework: Framework::default(), ..plain(conjugate_gradient) },
+    ];
+    for solver in solvers {
+        let scene = cloths(9, &[Pose::at(Vec3::new(0.01, 0.27, 0.0))]);
+        let obstacles = [turning(0), floor(0.15, 0.5)];
+        let mut on_device = system(&scene, solver, options(0.3), &obstacles);
         let mut on_host = System::new(scene.0.clone(), solver).unwrap();
-        on_host.set_collisions(Some(collisions(&scene, options(0.0), &obstacles))).unwrap();
-        let (mut a, mut b) = (scene.1.clone(), scene.1.clone());
-        for frame in 0..12 {
-            let budget = Budget::iterations(60);
+        on_host.set_collisions(Some(collisions(&scene, options(0.3), &obstacles))).unwrap();
+        let (mut a, mut b, mut seen, mut n_same) = (scene.1.clone(), scene.1.clone(), 0, 0);
+        for frame in 0..20 {
+            for system in [&mut on_device, &mut on_host] {
+                system.collisions_mut().unwrap().obstacles_mut()[0] = turning(frame);
+            }
+            let budget = Budget::iterations(40);
             let one = on_device.step(&mut a, &Forces::default(), H, budget).unwrap().contacts;
             let other = on_host.step(&mut b, &Forces::default(), H, budget).unwrap().contacts;
             let apart = crate::distance(&a.positions, &b.positions);
-            println!("{framework:?}, frame {frame}: {apart} m, {one:?}, {other:?}");
-            assert!(apart < bound, "{framework:?}, frame {frame}: {apart} m");
-            assert!(one.contacts.abs_diff(other.contacts) <= 3 + other.contacts / 20, "{one:?} {other:?}");
+            let faster = crate::distance(&a.velocities, &b.velocities);
+            assert!(one.contacts.abs_diff(other.contacts) <= 1, "{frame}: {one:?} {other:?}");
+            // What grazes the margin is a contact to the one and not to the other.
+            let is_same = one.contacts == other.contacts;
+            let most = if is_same { (2e-5, 2e-3) } else { (2e-3, 0.2) };
+            let what = format!("{solver:?}, frame {frame}: {apart} m, {faster} m/s, {one:?} {other:?}");
+            assert!(apart < most.0 && faster < most.1, "{what}");
+            n_same += usize::from(is_same);
+            seen += one.contacts;
             b.clone_from(&a);
         }
+        println!("{solver:?}: {seen} contacts, {n_same} frames alike");
+        assert!(n_same >= 17 && seen > 300, "{solver:?}: {seen} contacts");
     }
+}
+
+/// Two sheets that meet: which of two folds a point falls into is up to the last bit, so where they come is not compared, but how many contacts
+/// are found from the same state, which roundings decide where two primitives graze.
+#[test]
+fn the_host_finds_the_same_contacts() {
+    let up = Pose { rotation: Quat::from_rotation_x(0.2), ..Pose::at(Vec3::new(0.05, 0.4, 0.03)) };
+    let scene = cloths(9, &[Pose::at(Vec3::new(0.01, 0.27, 0.0)), up]);
+    let obstacles = [sphere(0.25, 0.2), floor(-0.4, 0.2)];
+    let solver = Solver { framework: Framework::PositionBased, ..Solver::default() };
+    for every_pair in [false, true] {
+        let options = Options { every_pair, ..options(0.2) };
+        let mut on_device = system(&scene, solver, options, &obstacles);
+        let mut on_host = System::new(scene.0.clone(), solver).unwrap();
+        on_host.set_collisions(Some(collisions(&scene, options, &obstacles))).unwrap();
+        let (mut a, mut most) = (scene.1.clone(), 0);
+        for frame in 0..30 {
+            let mut b = a.clone();
+            let budget = Budget::iterations(20);
+            let one = on_device.step(&mut a, &Forces::default(), H, budget).unwrap().contacts;
+            let other = on_host.step(&mut b, &Forces::default(), H, budget).unwrap().contacts;
+            let found = one.contacts + one.left_out;
+            assert!(found.abs_diff(other.contacts) <= 2 + other.contacts / 50, "{frame}: {one:?} {other:?}");
+            most = most.max(found);
+        }
+        assert!(most > 300, "{every_pair}: {most} contacts");
+    }
+}
+
+/// Sheets that lie at rest far apart begin on one another, so that there are more contacts than there is room for at first.
+#[test]
+fn room_grows_and_nothing_is_lost() {
+    let apart: Vec<Pose> = (0..6).map(|k| Pose::at(Vec3::Y * k as f32)).collect();
+    let scene = cloths(6, &apart);
+    let solver = Solver { framework: Framework::PositionBased, ..Solver::default() };
+    let mut on_device = system(&scene, solver, options(0.0), &[]);
+    let mut on_host = System::new(scene.0.clone(), solver).unwrap();
+    on_host.set_collisions(Some(collisions(&scene, options(0.0), &[]))).unwrap();
+    let mut a = scene.1.clone();
+    a.positions.iter_mut().zip(0..).for_each(|(q, k)| q.y -= 0.998 * (k / 36) as f32);
+    let mut b = a.clone();
+    let one = on_device.step(&mut a, &NO_FORCE, H, Budget::iterations(10)).unwrap().contacts;
+    let other = on_host.step(&mut b, &NO_FORCE, H, Budget::iterations(10)).unwrap().contacts;
+    println!("{one:?} {other:?}");
+    assert_eq!(one.left_out, 0, "{one:?}");
+    assert!(one.contacts.abs_diff(other.contacts) <= other.contacts / 50, "{one:?} {other:?}");
 }
 
 #[test]

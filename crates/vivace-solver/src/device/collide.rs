@@ -42,8 +42,9 @@ const MOST_CONTACTS: usize = 1 << 20;
 const GROWTH: usize = 2;
 /// Entries of particles' colors for a contact: four in use by each that is kept, and most are not.
 const ENTRIES: usize = 8;
-/// Rounds of the coloring.
+/// Rounds of the coloring with a palette of colors, and palettes at most.
 const COLOR_ROUNDS: u32 = 16;
+const MOST_PALETTES: u32 = 4;
 /// Of the thickness, the gap that the guard leaves; of the distance at the start, the gap that is left at most.
 const GAP: f32 = 0.1;
 const GAP_OF_START: f32 = 0.8;
@@ -79,6 +80,8 @@ pub(super) struct Collider<B: Backend> {
     colors: B::Buffer<u32>,
     entries: B::Buffer<u32>,
     n_entries: u32,
+    /// How many times [`N_COLORS`] colors there are, and the contacts of each.
+    n_palettes: u32,
     classes: Vec<B::List>,
     solids: Vec<Standing<B>>,
     /// Inverse masses \[1/kg\], and, in Projective Dynamics, one over the diagonal of Y \[m/N\].
@@ -89,8 +92,8 @@ pub(super) struct Collider<B: Backend> {
     parts: B::Buffer<u32>,
     no_items: B::Buffer<u32>,
     counts: Counts<B>,
-    /// Pairs and contacts that found no room, as last reported.
-    lacking: [usize; 2],
+    /// Pairs and contacts that found no room, and contacts that got no color, as last reported.
+    lacking: [usize; 3],
 }
 
 /// How many there were, and how many found no room; and turned bits of the largest depth.
@@ -349,6 +352,7 @@ impl<B: Backend> Collider<B> {
             colors: backend.filled(0, NO_COLOR),
             entries: backend.filled(0, u32::MAX),
             n_entries: 0,
+            n_palettes: 1,
             classes: Vec::new(),
             solids: Vec::new(),
             inverse_masses: backend.upload(inverse_masses),
@@ -365,7 +369,7 @@ impl<B: Backend> Collider<B> {
                 held: counts(),
                 deepest: counts(),
             },
-            lacking: [0; 2],
+            lacking: [0; 3],
             trees,
         };
         backend.fetch(&collider.boxes, &mut []).map_err(device)?;
@@ -400,18 +404,20 @@ impl<B: Backend> Collider<B> {
 
     /// Makes room for what found none, as far as there may be any; whether there is more than before.
     pub(super) fn grow(&mut self, backend: &B) -> Result<bool, SolverError> {
-        let [pairs, contacts] = self.lacking;
+        let [pairs, contacts, uncolored] = self.lacking;
         let more = |now: usize, lacking: usize, most: usize| {
             if lacking == 0 { now } else { (GROWTH * (now + lacking)).min(most).max(now) }
         };
         let n_pairs = more(self.n_pairs, pairs, MOST_PAIRS);
         let most = MOST_CONTACTS.min(self.options.max_contacts);
         let n_contacts = narrow("contacts", more(self.touching.n as usize, contacts, most))?;
-        let has_grown = n_pairs > self.n_pairs || n_contacts > self.touching.n;
-        if has_grown {
+        let has_room = n_pairs > self.n_pairs || n_contacts > self.touching.n;
+        if has_room {
             self.make_room(backend, n_pairs, n_contacts)?;
         }
-        Ok(has_grown)
+        let has_colors = uncolored > 0 && self.n_palettes < MOST_PALETTES;
+        self.n_palettes += u32::from(has_colors);
+        Ok(has_room || has_colors)
     }
 
     /// Takes one over the diagonal of Y \[m/N\], of the particles that are free, which come first.
@@ -533,35 +539,46 @@ impl<B: Backend> Collider<B> {
     /// Colors contacts.
     fn color(&mut self, backend: &B) {
         let mask = self.n_entries - 1;
-        let all_entries = backend.range(0..self.n_entries);
         set(backend, 0..self.n_entries, u32::MAX, &mut self.entries);
         let nothing = SetValueUniform { value: NO_COLOR };
         backend.map::<SetValue>(&self.touching.all, &nothing, (), &mut self.colors);
         let (counts, no_items) = (&mut self.counts.kept, &mut self.no_items);
         count(backend, &self.touching.list, NO_COLOR, &self.colors, no_items, counts);
         let mut left = self.touching.list.clone();
+        // What the last lists hold goes to those that come.
+        self.classes.clear();
+        for palette in 0..self.n_palettes {
+            if palette > 0 {
+                set(backend, 0..self.n_entries, u32::MAX, &mut self.entries);
+                backend.map::<SetValue>(&self.touching.all, &nothing, (), &mut self.colors);
+            }
+            self.color_some(backend, &mut left, mask);
+            self.classes.extend(backend.group_by(&self.colors, N_COLORS));
+        }
+        let (counts, no_items) = (&mut self.counts.uncolored, &mut self.no_items);
+        count(backend, &left, NO_COLOR, &self.colors, no_items, counts);
+    }
+
+    /// Takes those that get a color of a palette out of `left`.
+    fn color_some(&mut self, backend: &B, left: &mut B::List, mask: u32) {
+        let all_entries = backend.range(0..self.n_entries);
         let Self { touching, drawn, entries, colors, .. } = self;
         let contacts = &touching.contacts;
         for round in 0..COLOR_ROUNDS {
             let key = pcg::key(0, round);
             let uniform = ClaimUniform { key, mask };
             let inputs = (backend.view(contacts), backend.view(entries));
-            backend.map::<DrawColor>(&left, &uniform, inputs, drawn);
+            backend.map::<DrawColor>(left, &uniform, inputs, drawn);
             let claim = ClaimColorUniform { key, mask, is_settled: 0 };
             let inputs = (backend.view(contacts), backend.view(drawn));
-            backend.lower::<ClaimColor, 4>(&left, &claim, inputs, entries);
+            backend.lower::<ClaimColor, 4>(left, &claim, inputs, entries);
             let inputs = (backend.view(contacts), backend.view(drawn), backend.view(entries));
-            let settled = backend.select::<SettleColor>(&mut left, &uniform, inputs, colors);
+            let settled = backend.select::<SettleColor>(left, &uniform, inputs, colors);
             let claim = ClaimColorUniform { is_settled: 1, ..claim };
             let inputs = (backend.view(contacts), backend.view(drawn));
             backend.lower::<ClaimColor, 4>(&settled, &claim, inputs, entries);
             backend.map::<ReleaseColor>(&all_entries, &(), (), entries);
         }
-        let (counts, no_items) = (&mut self.counts.uncolored, &mut self.no_items);
-        count(backend, &left, NO_COLOR, &self.colors, no_items, counts);
-        // What the last lists hold goes to those that come.
-        self.classes.clear();
-        self.classes = backend.group_by(&self.colors, N_COLORS);
     }
 
     /// Takes what was found, for a small step from `before` \[m\].
@@ -725,7 +742,7 @@ impl<B: Backend> Collider<B> {
         let mut turned = [0];
         backend.fetch(deepest, &mut turned)?;
         let no_pairs = read(pairs)?[1];
-        self.lacking = [no_pairs, no_room];
+        self.lacking = [no_pairs, no_room, uncolored];
         let n_contacts = kept - uncolored + outside;
         #[expect(clippy::cast_possible_truncation, reason = "depths are f32")]
         let mean_depth = (sums.total(backend)? / n_contacts.max(1) as f64) as f32;

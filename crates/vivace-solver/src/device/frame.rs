@@ -350,10 +350,6 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         Ok(())
     }
 
-    fn has_collisions(&self) -> bool {
-        self.contacts.is_some()
-    }
-
     fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
         let Some(contacts) = &mut self.contacts else { return Ok(()) };
         self.motion.start_step(backend);
@@ -369,7 +365,8 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         }
     }
 
-    fn relax_contacts(&mut self, backend: &B) {
+    /// As on the host in small steps: an iteration ends with its contacts, whatever its sweeps have done.
+    fn touch(&mut self, backend: &B) {
         if let Some(contacts) = &mut self.contacts {
             contacts.relax(backend, &mut self.motion.q);
         }
@@ -509,14 +506,11 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn remember(&mut self, backend: &B) {
         self.history.remember(backend, &self.motion.q);
-        self.contacts.iter_mut().for_each(|contacts| contacts.remember(backend));
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
         let weight = &ExtrapolateUniform { omega };
-        let weight = self.watch.extrapolation(weight);
-        self.history.extrapolate(backend, &mut self.motion.q, weight);
-        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, weight));
+        self.history.extrapolate(backend, &mut self.motion.q, self.watch.extrapolation(weight));
     }
 
     fn tolerated_rise(&self) -> f64 {

@@ -73,10 +73,14 @@ trait Solve<B: Backend>: Send {
     fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32);
     fn place(&mut self, backend: &B, pins: &[(u32, Vec3)]);
     fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError>;
-    fn has_collisions(&self) -> bool;
+    /// Whether contacts come after all other constraints in a sweep.
+    fn has_contact_color(&self) -> bool {
+        false
+    }
     fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError>;
     fn take_contacts(&mut self, backend: &B, small: SmallStep);
-    fn relax_contacts(&mut self, backend: &B);
+    fn relax_contacts(&mut self, _: &B) {}
+    fn touch(&mut self, _: &B) {}
     fn guard(&mut self, backend: &B, forces: &Forces, h: f32);
     /// What contacts did in the step; whether some found no room, and there is more now.
     fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError>;
@@ -311,7 +315,7 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
 
 impl<B: Backend + 'static> Stages for Device<B> {
     fn n_colors(&self) -> u32 {
-        let n_colors = self.frame.n_colors() + usize::from(self.frame.has_collisions());
+        let n_colors = self.frame.n_colors() + usize::from(self.frame.has_contact_color());
         u32::try_from(n_colors).unwrap_or(u32::MAX)
     }
 
@@ -352,11 +356,14 @@ impl<B: Backend + 'static> Stages for Device<B> {
 
     fn solve_by_conjugate_gradient(&mut self, preconditioner: Preconditioner, inner: u32) {
         self.frame.solve_by_conjugate_gradient(&self.backend, preconditioner, inner);
-        self.frame.relax_contacts(&self.backend);
     }
 
     // `check` does not let it come here.
     fn solve_directly(&mut self) {}
+
+    fn touch(&mut self) {
+        self.frame.touch(&self.backend);
+    }
 
     fn remember(&mut self) {
         self.frame.remember(&self.backend);

@@ -177,7 +177,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         Ok(())
     }
 
-    fn has_collisions(&self) -> bool {
+    fn has_contact_color(&self) -> bool {
         self.contacts.is_some()
     }
 
