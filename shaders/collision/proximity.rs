@@ -98,7 +98,7 @@ fn edge_edge(x: &[Vec3; 4]) -> Nearest {
     let (ur, vr) = (-b.dot(c), -v.dot(c));
     let mut s = ratio(uv * vr - ur * vv, uu * vv - uv * uv);
     let mut t = if vv > 0.0 { (uv * s + vr) / vv } else { 0.0 };
-    if vv <= 0.0 || t < 0.0 || t > 1.0 {
+    if vv <= 0.0 || !(0.0..=1.0).contains(&t) {
         t = t.clamp(0.0, 1.0);
         s = ratio(t * uv - ur, uu);
     }

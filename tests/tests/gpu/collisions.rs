@@ -202,10 +202,10 @@ impl Data {
         let Ok((contacts, _)) = contacts(&cpu, self, 100_000);
         self.contacts = contacts;
         let Ok(colored) = colored(&cpu, self, 12);
-        (self.drawn, self.entries, self.colors) = colored;
+        [self.drawn, self.entries, self.colors] = colored;
         let lambda = |k: usize| Vec4::new(0.01, -0.02, 0.005, (k % 3) as f32 * 0.01);
         self.lambdas = (0..self.contacts.len()).map(lambda).collect();
-        let part = |k: usize| if k % 3 == 0 { u32::MAX } else { (0.25 * (k % 4) as f32).to_bits() };
+        let part = |k: usize| if k.is_multiple_of(3) { u32::MAX } else { (0.25 * (k % 4) as f32).to_bits() };
         self.parts = (0..self.from.len()).map(part).chain([0]).collect();
     }
 
@@ -232,7 +232,7 @@ impl Data {
 }
 
 fn guarded<B: Backend, T: Pod + Send + Sync>(backend: &B, values: &[T]) -> B::Buffer<T> {
-    backend.upload(&[values, &vec![sentinel(); N_SENTINELS]].concat())
+    backend.upload(&[values, &[sentinel(); N_SENTINELS]].concat())
 }
 
 fn sentinel<T: Pod>() -> T {
@@ -303,11 +303,7 @@ fn contacts<B: Backend>(backend: &B, data: &Data, room: usize) -> Result<Found<C
 }
 
 /// Colors drawn in the last of some rounds, entries, colors.
-fn colored<B: Backend>(
-    backend: &B,
-    data: &Data,
-    n_rounds: u32,
-) -> Result<(Vec<u32>, Vec<u32>, Vec<u32>), B::Error> {
+fn colored<B: Backend>(backend: &B, data: &Data, n_rounds: u32) -> Result<[Vec<u32>; 3], B::Error> {
     let n = data.contacts.len();
     let contacts = backend.upload(&data.contacts);
     let n_entries = (8 * n.max(1)).next_power_of_two();
@@ -330,7 +326,7 @@ fn colored<B: Backend>(
         backend.lower::<ClaimColor, 4>(&settled, &claim, inputs, &mut entries);
         backend.map::<ReleaseColor>(&backend.range(0..mask + 1), &(), (), &mut entries);
     }
-    Ok((backend.read(drawn)?, backend.read(entries)?, backend.read(colors)?))
+    Ok([backend.read(drawn)?, backend.read(entries)?, backend.read(colors)?])
 }
 
 /// Contacts by color.
@@ -355,7 +351,7 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
         left.extend([Left::contacts("touch", &found, 2e-4), Left::words("touch", &counts)]);
     }
     for n_rounds in [1, 3, 12] {
-        let (drawn, entries, colors) = colored(backend, data, n_rounds)?;
+        let [drawn, entries, colors] = colored(backend, data, n_rounds)?;
         left.extend([
             Left::words("draw_color", &drawn),
             Left::words("claim_color", &entries),
@@ -457,7 +453,7 @@ fn guard<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
             Left::words("shorten", &backend.indices(&shortened)?),
         ]);
     }
-    let held = |k: usize| if k % 3 == 0 { data.to[k] } else { data.from[k] };
+    let held = |k: usize| if k.is_multiple_of(3) { data.to[k] } else { data.from[k] };
     let q = backend.upload(&(0..data.to.len()).map(held).collect::<Vec<_>>());
     let mut velocities = guarded(backend, &data.rest);
     let list = sample_of(backend, n as usize, KEY);
@@ -617,8 +613,8 @@ fn frames_with_contacts_are_those_of_the_cpu() {
         on_cpu.set_collisions(Some(same)).unwrap();
         let (mut a, mut b, mut most) = (state.clone(), state, 0);
         let (mut worst, mut seen) = (0.0_f32, 0);
-        for frame in 0..26 {
-            let budget = Budget::iterations(10);
+        for frame in 0..20 {
+            let budget = Budget::iterations(6);
             let one = on_gpu.step(&mut a, &Forces::default(), 1.0 / 60.0, budget).unwrap().contacts;
             let other = on_cpu.step(&mut b, &Forces::default(), 1.0 / 60.0, budget).unwrap().contacts;
             let apart = a.positions.iter().zip(&b.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);

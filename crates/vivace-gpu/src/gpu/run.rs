@@ -169,8 +169,8 @@ impl Gpu {
         }
     }
 
-    /// Runs a kernel over a list. `decisions` is where a select writes what it decides, or an expansion where it goes on; `value` says
-    /// whether that is known.
+    /// Runs a kernel over a list. `work` is where a select writes what it decides, or an expansion where it goes on, and whether that
+    /// is known.
     fn run<K: Kernel>(
         &self,
         shader: &Shader,
@@ -178,8 +178,7 @@ impl Gpu {
         params: Params<'_, Self, K::Uniform>,
         inputs: Views<'_, K, GpuMemory>,
         written: Written<'_>,
-        decisions: Option<Bound<'_>>,
-        value: u32,
+        work: Option<(Bound<'_>, u32)>,
     ) -> Result<(), GpuError> {
         const { assert!(size_of::<K::Uniform>() <= UNIFORM_BYTES, "a uniform has 256 bytes at most") };
         const { assert!(PARAMS_BYTES == UNIFORM_BYTES, "where the device finds them, too") };
@@ -207,7 +206,7 @@ impl Gpu {
             }
         };
         let mut run = vec![self.bound_headers(), bound, Bound::Uniform, bound_params];
-        run.extend(decisions);
+        run.extend(work.map(|(bound, _)| bound));
         let share = (list.capacity() as f64 / written.len.max(1) as f64).min(1.0);
         let bytes = share * self.bytes(&own) + self.bytes(&run);
         let pipeline = self.pipelines.kernel::<K>(&self.device, shader);
@@ -224,7 +223,7 @@ impl Gpu {
             };
             (0..n).step_by(IN_ORDER).for_each(|first| dispatch(first, Grid::Groups(1)));
         } else {
-            dispatch(value, self.grid(list));
+            dispatch(work.map_or(0, |(_, value)| value), self.grid(list));
         }
         Ok(())
     }
@@ -239,7 +238,7 @@ impl Gpu {
         output: &mut Buffer<T>,
     ) {
         let written = list.state().and_then(|list| {
-            self.run::<K>(shader, list, params, inputs, Written::one(&output.bound()?, output.len), None, 0)
+            self.run::<K>(shader, list, params, inputs, Written::one(&output.bound()?, output.len), None)
         });
         if let Err(error) = written {
             output.memory = Err(error);
@@ -258,7 +257,7 @@ impl Gpu {
     ) {
         let written = list.state().and_then(|list| {
             let written = Written { arrays: &[first.bound()?, second.bound()?], len: second.len };
-            self.run::<K>(shader, list, params, inputs, written, None, 0)
+            self.run::<K>(shader, list, params, inputs, written, None)
         });
         if let Err(error) = written {
             first.memory = Err(error.clone());
@@ -282,7 +281,7 @@ impl Gpu {
         let (elements, shader) = (Elements::Listed(list.clone()), Shader::select::<K>());
         let bound = output.bound()?;
         let written = Written::one(&bound, output.len);
-        self.run::<K>(&shader, &elements, uniform.into(), inputs, written, Some(decisions), 0)?;
+        self.run::<K>(&shader, &elements, uniform.into(), inputs, written, Some((decisions, 0))?;
         let places = Run {
             list: list.header.place,
             kept: kept.header.place,
@@ -318,7 +317,7 @@ impl Gpu {
         let found = self.list(items.len)?;
         let (shader, bound) = (Shader::expand::<K>(), items.bound()?);
         let written = Written::one(&bound, items.len);
-        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some(places), 0)?;
+        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some((places, 0))?;
         let (value, selected) = (u32::try_from(items.len).unwrap_or(u32::MAX), found.header.place);
         let run = match elements {
             Elements::Listed(list) => Run { list: list.header.place, value, selected, ..Run::zeroed() },
@@ -331,7 +330,7 @@ impl Gpu {
         let place = self.pipelines.list(&self.device, ListShader::Place);
         let groups = [vec![self.bound_headers(), places, Bound::Uniform, counts.bound()?]];
         self.dispatch(&place, &groups, uniforms, Grid::Groups(1));
-        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some(places), 1)?;
+        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some((places, 1))?;
         let number = self.pipelines.list(&self.device, ListShader::Number);
         let groups = [vec![self.bound_headers(), found.bound(), Bound::Uniform]];
         self.dispatch(&number, &groups, uniforms, self.grid(&Elements::Listed(found.clone())));
