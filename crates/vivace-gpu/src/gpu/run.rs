@@ -281,7 +281,7 @@ impl Gpu {
         let (elements, shader) = (Elements::Listed(list.clone()), Shader::select::<K>());
         let bound = output.bound()?;
         let written = Written::one(&bound, output.len);
-        self.run::<K>(&shader, &elements, uniform.into(), inputs, written, Some((decisions, 0))?;
+        self.run::<K>(&shader, &elements, uniform.into(), inputs, written, Some((decisions, 0)))?;
         let places = Run {
             list: list.header.place,
             kept: kept.header.place,
@@ -317,7 +317,7 @@ impl Gpu {
         let found = self.list(items.len)?;
         let (shader, bound) = (Shader::expand::<K>(), items.bound()?);
         let written = Written::one(&bound, items.len);
-        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some((places, 0))?;
+        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some((places, 0)))?;
         let (value, selected) = (u32::try_from(items.len).unwrap_or(u32::MAX), found.header.place);
         let run = match elements {
             Elements::Listed(list) => Run { list: list.header.place, value, selected, ..Run::zeroed() },
@@ -330,7 +330,7 @@ impl Gpu {
         let place = self.pipelines.list(&self.device, ListShader::Place);
         let groups = [vec![self.bound_headers(), places, Bound::Uniform, counts.bound()?]];
         self.dispatch(&place, &groups, uniforms, Grid::Groups(1));
-        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some((places, 1))?;
+        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some((places, 1)))?;
         let number = self.pipelines.list(&self.device, ListShader::Number);
         let groups = [vec![self.bound_headers(), found.bound(), Bound::Uniform]];
         self.dispatch(&number, &groups, uniforms, self.grid(&Elements::Listed(found.clone())));
