@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use crate::{CountDown, Element, Host, Map, Memory, Scatter, Select, Update, Views};
+use crate::{CountDown, Element, Expand, Host, Lower, Map, Memory, Scatter, Select, Update, Views};
 
 /// Runs kernels over arrays that it keeps.
 ///
@@ -113,6 +113,26 @@ pub trait Backend {
         inputs: Views<'_, K, Self::Memory>,
         output: &mut Self::Buffer<K::Output>,
     ) -> Self::List;
+
+    /// Writes to `items` what `K` finds for each `i` in `list`, invocation by invocation, as far as there is room, and returns the list of
+    /// the elements written. Adds to the first two elements of `counts` how many these are, and how many found no room.
+    fn expand<K: Expand>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        items: &mut Self::Buffer<K::Item>,
+        counts: &mut Self::Buffer<u32>,
+    ) -> Self::List;
+
+    /// Lowers elements of `lowest` to what `K` says for each `i` in `list`.
+    fn lower<K: Lower<N>, const N: usize>(
+        &self,
+        list: &Self::List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Self::Memory>,
+        lowest: &mut Self::Buffer<u32>,
+    );
 
     /// The elements of `keys` by key: for each key below `n_keys`, of which there are [`MOST_KEYS`](crate::MOST_KEYS) at most, the list of
     /// the elements that have it, ascending. Those with larger keys are in none.

@@ -27,8 +27,8 @@ impl Memory for Host {
     }
 }
 
-/// One kernel: a function of an index, a few parameters and some read-only arrays. It comes in five forms, by what it writes:
-/// [`Map`], [`Update`], [`Scatter`], [`Select`], [`CountDown`].
+/// One kernel: a function of an index, a few parameters and some read-only arrays. It comes in seven forms, by what it writes:
+/// [`Map`], [`Update`], [`Scatter`], [`Select`], [`Expand`], [`CountDown`], [`Lower`].
 pub trait Kernel: 'static {
     /// The kernel's one name: file stem, label, row in a timing table.
     const NAME: &'static str;
@@ -88,10 +88,31 @@ pub trait Select: Kernel {
     fn select(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>, own: &mut Self::Output) -> bool;
 }
 
-/// A kernel that counts down: the one form whose invocations write the same elements. Integer subtraction commutes, so order does not show.
+/// A kernel of which each invocation finds any number of items: pairs that meet. They are listed invocation by invocation, so order does
+/// not show.
+pub trait Expand: Kernel {
+    /// What it finds.
+    type Item: Element;
+    /// Gives each item of `i` to `emit`.
+    fn expand(
+        i: u32,
+        uniform: &Self::Uniform,
+        inputs: HostViews<'_, Self>,
+        emit: &mut impl FnMut(Self::Item),
+    );
+}
+
+/// A kernel that counts down: invocations write the same elements, but integer subtraction commutes, so order does not show.
 pub trait CountDown: Kernel {
     /// The counters that `i` takes one from, ascending; a counter at 0 stays 0.
     fn targets<'a>(i: u32, uniform: &Self::Uniform, inputs: HostViews<'a, Self>) -> &'a [u32];
+}
+
+/// A kernel that lowers up to `N` elements to values of its own: invocations write the same elements, but the minimum of integers commutes,
+/// so order does not show. (Floating-point numbers that are not negative are ordered as their bits are.)
+pub trait Lower<const N: usize>: Kernel {
+    /// Elements, and the values that they are no more than afterwards.
+    fn lower(i: u32, uniform: &Self::Uniform, inputs: HostViews<'_, Self>) -> [Option<(u32, u32)>; N];
 }
 
 /// The views that kernel `K` takes, in memory `M`.

@@ -12,6 +12,8 @@ mod backend;
 mod kernel;
 mod shader;
 
+#[path = "collision/mod.rs"]
+pub mod collision;
 #[path = "coloring/mod.rs"]
 pub mod coloring;
 #[path = "constraint/mod.rs"]
@@ -37,7 +39,7 @@ pub mod step;
 
 pub use backend::{Backend, PARAMS_BYTES, Params, RoundCount, View};
 pub use kernel::{
-    CountDown, Element, Host, HostViews, Inputs, Kernel, Map, Memory, Scatter, Select, Update, ViewVisitor,
-    Views,
+    CountDown, Element, Expand, Host, HostViews, Inputs, Kernel, Lower, Map, Memory, Scatter, Select, Update,
+    ViewVisitor, Views,
 };
 pub use shader::{Form, ListShader, MOST_KEYS, Shader};

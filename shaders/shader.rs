@@ -1,9 +1,9 @@
 //! How the WGSL of a kernel becomes a shader: its parts and its form's are joined, in the order in which they are listed.
 //!
 //! Bindings are the same for all kernels. Group 0 is the run: 0 the headers of lists, 1 the list, 2 which lists, 3 the kernel's
-//! uniform, 4 what a select decided. Group 1 is the kernel's: its inputs in order, then the arrays it writes.
+//! uniform, 4 what a select decided or where an expansion goes on. Group 1 is the kernel's: its inputs in order, then the arrays it writes.
 
-use crate::{CountDown, Inputs, Kernel, Map, Scatter, Select, Update};
+use crate::{CountDown, Expand, Inputs, Kernel, Lower, Map, Scatter, Select, Update};
 
 /// In which way a kernel runs over a list, and what its function is called in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -20,8 +20,12 @@ pub enum Form {
     ScatterInOrder,
     /// `select_element(i)` says whether `i` is selected, and may write element `i`. (`select` is taken in WGSL.)
     Select,
+    /// `expand(i)` calls `next_place()` for each item that it finds, and writes it there if the array is as long.
+    Expand,
     /// `count_down(i)` calls `take_one(target)`; the array is called `counters`.
     CountDown,
+    /// `lower(i)` calls `lower_to(target, value)`; the array is called `lowest`.
+    Lower,
 }
 
 impl Form {
@@ -34,7 +38,9 @@ impl Form {
             Self::Scatter => &[RUN, OVER, include_str!("form/scatter.wgsl")],
             Self::ScatterInOrder => &[RUN, OVER, include_str!("form/scatter_in_order.wgsl")],
             Self::Select => &[RUN, DECISIONS, OVER, include_str!("form/select.wgsl")],
+            Self::Expand => &[RUN, PLACES, OVER, include_str!("form/expand.wgsl")],
             Self::CountDown => &[RUN, OVER, include_str!("form/count_down.wgsl")],
+            Self::Lower => &[RUN, OVER, include_str!("form/lower.wgsl")],
         }
     }
 
@@ -105,6 +111,18 @@ impl Shader {
         Self::new::<K>(Form::Select)
     }
 
+    /// An expansion.
+    #[must_use]
+    pub const fn expand<K: Expand>() -> Self {
+        Self::new::<K>(Form::Expand)
+    }
+
+    /// A lowering.
+    #[must_use]
+    pub const fn lower<K: Lower<N>, const N: usize>() -> Self {
+        Self::new::<K>(Form::Lower)
+    }
+
     /// A countdown.
     #[must_use]
     pub const fn count_down<K: CountDown>() -> Self {
@@ -126,6 +144,7 @@ impl Shader {
 const RUN: &str = include_str!("device/run.wgsl");
 const PREFIX: &str = include_str!("device/prefix.wgsl");
 const DECISIONS: &str = include_str!("device/decisions.wgsl");
+const PLACES: &str = include_str!("device/places.wgsl");
 
 /// What a device does with arrays and lists between kernels. Its counterpart on the CPU is `vivace_cpu::List`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -138,6 +157,10 @@ pub enum ListShader {
     Scan,
     /// After a scan: the elements of both lists.
     Split,
+    /// After an expansion has counted: where the items of each group go, and how many there are.
+    Place,
+    /// The first elements of a list, as many as its length says.
+    Number,
     /// How many elements of each group have each key.
     CountKeys,
     /// After a count of keys: where the elements of each begin.
@@ -151,8 +174,17 @@ pub const MOST_KEYS: u32 = 64;
 
 impl ListShader {
     /// Each of them.
-    pub const ALL: [Self; 7] =
-        [Self::Fill, Self::All, Self::Scan, Self::Split, Self::CountKeys, Self::ScanKeys, Self::PlaceKeys];
+    pub const ALL: [Self; 9] = [
+        Self::Fill,
+        Self::All,
+        Self::Scan,
+        Self::Split,
+        Self::Place,
+        Self::Number,
+        Self::CountKeys,
+        Self::ScanKeys,
+        Self::PlaceKeys,
+    ];
 
     /// File stem and label.
     #[must_use]
@@ -162,6 +194,8 @@ impl ListShader {
             Self::All => "all",
             Self::Scan => "scan",
             Self::Split => "split",
+            Self::Place => "place",
+            Self::Number => "number",
             Self::CountKeys => "count_keys",
             Self::ScanKeys => "scan_keys",
             Self::PlaceKeys => "place_keys",
@@ -176,6 +210,8 @@ impl ListShader {
             Self::All => &[RUN, include_str!("device/all.wgsl")],
             Self::Scan => &[RUN, DECISIONS, PREFIX, include_str!("device/scan.wgsl")],
             Self::Split => &[RUN, DECISIONS, include_str!("device/split.wgsl")],
+            Self::Place => &[RUN, PLACES, include_str!("device/place.wgsl")],
+            Self::Number => &[RUN, include_str!("device/number.wgsl")],
             Self::CountKeys => &[RUN, include_str!("device/count_keys.wgsl")],
             Self::ScanKeys => &[RUN, PREFIX, include_str!("device/scan_keys.wgsl")],
             Self::PlaceKeys => &[RUN, include_str!("device/place_keys.wgsl")],

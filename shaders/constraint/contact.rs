@@ -97,7 +97,7 @@ impl Contact {
 
 impl Constraint<4, 1> for Contact {
     const NAME: &'static str = "contact";
-    // Contacts are found and solved on the host only, so far.
+    // A device has contacts of its own: `crate::collision`.
     const WGSL: &'static [&'static str] = &[];
     type Multiplier = f32;
 

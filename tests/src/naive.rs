@@ -10,7 +10,8 @@ use std::ops::Range;
 
 use vivace_coloring::{Algorithm, ConstraintGraph, GraphBuffers, RoundColoring};
 use vivace_kernels::{
-    Backend, CountDown, Element, Host, Kernel, Map, Params, RoundCount, Scatter, Select, Update, View, Views,
+    Backend, CountDown, Element, Expand, Host, Kernel, Lower, Map, Params, RoundCount, Scatter, Select,
+    Update, View, Views,
 };
 
 use crate::generators::to_u32;
@@ -209,6 +210,39 @@ impl Backend for Naive {
             selected.pop_last();
         }
         selected
+    }
+
+    fn expand<K: Expand>(
+        &self,
+        list: &BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        items: &mut Vec<K::Item>,
+        counts: &mut Vec<u32>,
+    ) -> BTreeSet<u32> {
+        let mut found = Vec::new();
+        for &i in list {
+            K::expand(i, uniform, inputs, &mut |item| found.push(item));
+        }
+        let n = found.len().min(items.len());
+        items[..n].copy_from_slice(&found[..n]);
+        counts[0] += to_u32(n);
+        counts[1] += to_u32(found.len() - n);
+        (0..to_u32(n)).collect()
+    }
+
+    fn lower<K: Lower<N>, const N: usize>(
+        &self,
+        list: &BTreeSet<u32>,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        lowest: &mut Vec<u32>,
+    ) {
+        for &i in list.iter().rev() {
+            for (at, value) in K::lower(i, uniform, inputs).into_iter().flatten() {
+                lowest[at as usize] = lowest[at as usize].min(value);
+            }
+        }
     }
 
     fn group_by(&self, keys: &Vec<u32>, n_keys: u32) -> Vec<BTreeSet<u32>> {

@@ -8,7 +8,7 @@ use vivace_kernels::coloring::{AcceptColor, ProposeColor, SHADERS};
 use vivace_kernels::constraint::{
     Attachment, Bending, Constraint, Spring, TetStrain, TetVolume, TriangleStrain,
 };
-use vivace_kernels::{Form, ListShader, Shader, linear, local, pbd, pd, step};
+use vivace_kernels::{Form, ListShader, Shader, collision, linear, local, pbd, pd, step};
 
 /// The kernels over a kind.
 struct Kind {
@@ -51,8 +51,13 @@ kinds!(
 
 /// Every kernel, with the kind that it is over.
 fn kernels() -> Vec<(String, Shader)> {
-    let without_kind =
-        SHADERS.iter().chain(&linear::SHADERS).chain(&pbd::SHADERS).chain(&pd::SHADERS).chain(&step::SHADERS);
+    let without_kind = SHADERS
+        .iter()
+        .chain(&collision::SHADERS)
+        .chain(&linear::SHADERS)
+        .chain(&pbd::SHADERS)
+        .chain(&pd::SHADERS)
+        .chain(&step::SHADERS);
     let without_kind = without_kind.map(|&shader| (shader.name.to_owned(), shader));
     let of_kind = |kind: Kind| {
         let name = move |shader: Shader| (format!("{} of {}", shader.name, kind.name), shader);

@@ -130,6 +130,30 @@ impl Detector {
         &self.options
     }
 
+    /// The surface: its triangles.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.surface.triangles
+    }
+
+    /// The edges of the triangles, each once.
+    #[must_use]
+    pub fn edges(&self) -> &[[u32; 2]] {
+        &self.surface.edges
+    }
+
+    /// The corners of the triangles, each once.
+    #[must_use]
+    pub fn vertices(&self) -> &[u32] {
+        &self.surface.vertices
+    }
+
+    /// Positions at rest \[m\].
+    #[must_use]
+    pub fn rest(&self) -> &[Vec3] {
+        &self.rest
+    }
+
     /// Lists in `out`, which is cleared first, the contacts of the frame in which the particles go from `from` to `to` \[m\] in `time_step` \[s\]. At `from` the
     /// surface should not intersect itself: the side on which a pair is then is the one on which its contact keeps it. Pairs
     /// nearer at rest than twice the thickness keep half of their distance at rest, pairs that touch at rest have no contact.

@@ -83,6 +83,18 @@ impl Field {
         size_of_val(self.values.as_slice())
     }
 
+    /// The first node \[m\], the distance between nodes \[m\], and how many there are along each axis.
+    #[must_use]
+    pub fn nodes(&self) -> (Vec3, f32, UVec3) {
+        (self.min, self.spacing, self.size)
+    }
+
+    /// Signed distances at the nodes \[m\], x fastest.
+    #[must_use]
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
     /// Values at the corners of a cell, x fastest.
     fn corners(&self, cell: UVec3) -> [f32; 8] {
         let [nx, ny] = [self.size.x as usize, self.size.y as usize];
@@ -109,7 +121,9 @@ impl Field {
         steepest / self.spacing
     }
 
-    pub(crate) fn slope(&self) -> f32 {
+    /// The largest slope of any cell, 1 at least \[1\].
+    #[must_use]
+    pub fn slope(&self) -> f32 {
         self.slope
     }
 

@@ -100,7 +100,11 @@ impl Obstacle {
         self.from == self.to
     }
 
-    pub(crate) fn check(&self, obstacle: usize) -> Result<(), CollisionError> {
+    /// Whether there is such an obstacle, which is number `obstacle`.
+    ///
+    /// # Errors
+    /// [`CollisionError::Obstacle`]: lengths, poses or friction that cannot be.
+    pub fn check(&self, obstacle: usize) -> Result<(), CollisionError> {
         let lengths: &[f32] = match &self.shape {
             Shape::Plane | Shape::Field(_) => &[],
             Shape::Sphere { radius } => &[*radius],

@@ -10,7 +10,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use vivace_kernels::{
-    Backend, CountDown, Element, Host, Map, Params, RoundCount, Scatter, Select, Update, View, Views,
+    Backend, CountDown, Element, Expand, Host, Lower, Map, Params, RoundCount, Scatter, Select, Update, View,
+    Views,
 };
 
 pub use list::List;
@@ -192,6 +193,56 @@ impl Backend for Cpu {
         output: &mut Vec<K::Output>,
     ) -> List {
         list.split_off(self.n_pieces(list.len()), output, |i, own| K::select(i, uniform, inputs, own))
+    }
+
+    fn expand<K: Expand>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        items: &mut Vec<K::Item>,
+        counts: &mut Vec<u32>,
+    ) -> List {
+        let find = |indices: &[u32]| {
+            let mut found = Vec::new();
+            indices.iter().for_each(|&i| K::expand(i, uniform, inputs, &mut |item| found.push(item)));
+            found
+        };
+        let n_pieces = self.n_pieces(list.len());
+        let pieces: Vec<Vec<K::Item>> = if n_pieces == 1 {
+            vec![find(list.indices())]
+        } else {
+            list.indices().par_chunks(list.len().div_ceil(n_pieces)).map(find).collect()
+        };
+        let n_found: usize = pieces.iter().map(Vec::len).sum();
+        let n = n_found.min(items.len());
+        items.iter_mut().zip(pieces.into_iter().flatten()).for_each(|(item, found)| *item = found);
+        for (count, more) in counts.iter_mut().zip([n, n_found - n]) {
+            *count = count.saturating_add(u32::try_from(more).unwrap_or(u32::MAX));
+        }
+        List::all(n)
+    }
+
+    fn lower<K: Lower<N>, const N: usize>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, Host>,
+        lowest: &mut Vec<u32>,
+    ) {
+        // Found in parallel, then written, as in a scatter.
+        let find = |&i: &u32| K::lower(i, uniform, inputs);
+        let mut write = |(at, value): (u32, u32)| {
+            let lowest = &mut lowest[at as usize];
+            *lowest = (*lowest).min(value);
+        };
+        let n_pieces = self.n_pieces(list.len());
+        if n_pieces == 1 {
+            return list.indices().iter().flat_map(find).flatten().for_each(write);
+        }
+        let found = list.indices().par_iter().with_min_len(list.len().div_ceil(n_pieces)).map(find);
+        let found: Vec<_> = found.collect();
+        found.into_iter().flatten().flatten().for_each(&mut write);
     }
 
     fn group_by(&self, keys: &Vec<u32>, n_keys: u32) -> Vec<List> {

@@ -6,11 +6,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use vivace_kernels::{
-    Backend, CountDown, Element, Map, Memory, Params, RoundCount, Scatter, Select, Update, View, Views,
+    Backend, CountDown, Element, Expand, Lower, Map, Memory, Params, RoundCount, Scatter, Select, Update,
+    View, Views,
 };
 
 use crate::GpuError;
-use crate::gpu::{FIXED_BYTES, HEADERS_BYTES, counts_bytes, decisions_bytes};
+use crate::gpu::{FIXED_BYTES, HEADERS_BYTES, counts_bytes, decisions_bytes, places_bytes};
 use crate::memory::{Allocation, Pool, Purpose, array_bytes};
 
 /// A [`Backend`] that computes nothing and counts the bytes that [`crate::Gpu`] would allocate: it has the same pool, without
@@ -213,6 +214,27 @@ impl Backend for Footprint {
         drop(list_before);
         *list = kept;
         selected
+    }
+
+    fn expand<K: Expand>(
+        &self,
+        list: &FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        items: &mut FootprintBuffer<K::Item>,
+        _: &mut FootprintBuffer<u32>,
+    ) -> FootprintList {
+        let _places = self.take(Purpose::Work, places_bytes(list.capacity));
+        self.list(items.len)
+    }
+
+    fn lower<K: Lower<N>, const N: usize>(
+        &self,
+        _: &FootprintList,
+        _: &K::Uniform,
+        _: NoViews<'_, K>,
+        _: &mut FootprintBuffer<u32>,
+    ) {
     }
 
     fn group_by(&self, keys: &FootprintBuffer<u32>, n_keys: u32) -> Vec<FootprintList> {

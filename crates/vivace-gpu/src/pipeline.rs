@@ -47,7 +47,7 @@ impl Pipelines {
     pub(crate) fn kernel<K: 'static>(&self, device: &wgpu::Device, shader: &Shader) -> Arc<Pipeline> {
         self.get(Key::Kernel(TypeId::of::<K>(), shader.form), || {
             let run = [Read, Read, Uniform, Uniform, Write];
-            let n_run = if shader.form == Form::Select { 5 } else { 4 };
+            let n_run = if matches!(shader.form, Form::Select | Form::Expand) { 5 } else { 4 };
             let mut own = vec![Read; shader.n_inputs];
             own.resize(shader.n_inputs + shader.form.n_outputs(), Write);
             Pipeline::new(device, shader.name, &shader.wgsl(), &[&run[..n_run], &own])
@@ -61,6 +61,8 @@ impl Pipelines {
                 ListShader::Fill => &[&[Write, Uniform, Uniform]],
                 ListShader::All | ListShader::Scan => &[&[Write, Write, Uniform]],
                 ListShader::Split => &[&[Read, Read, Uniform], &[Read, Write, Write]],
+                ListShader::Place => &[&[Write, Write, Uniform, Write]],
+                ListShader::Number => &[&[Read, Write, Uniform]],
                 ListShader::CountKeys => &[&[Read, Write, Uniform]],
                 ListShader::ScanKeys => &[&[Write, Write, Uniform, Uniform]],
                 ListShader::PlaceKeys => &[&[Read, Read, Write, Uniform]],

@@ -107,7 +107,7 @@ impl Simulation {
     /// Files of obstacles are looked for in `folder`.
     ///
     /// # Errors
-    /// A thickness that the mesh is too fine for; an obstacle that cannot be; a solver or a backend that has no collisions.
+    /// A thickness that the mesh is too fine for; an obstacle that cannot be; what a device does not hold.
     pub fn set_collisions(
         &mut self,
         collisions: Option<&vivace_scene::Collisions>,
@@ -140,7 +140,7 @@ impl Simulation {
         }
     }
 
-    /// The contacts that the last step has found; none without collisions.
+    /// The contacts that the last step has found; none without collisions, or where they stay on a device.
     #[must_use]
     pub fn contacts(&self) -> &[Contact] {
         self.system.collisions().map_or(&[], Collisions::contacts)

@@ -57,6 +57,14 @@ impl Collisions {
         self.contacts.clear();
     }
 
+    pub(crate) fn detector(&self) -> &Detector {
+        &self.detector
+    }
+
+    pub(crate) fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
     /// The obstacles, with their way in the next step, which checks them.
     pub fn obstacles_mut(&mut self) -> &mut Vec<Obstacle> {
         &mut self.obstacles

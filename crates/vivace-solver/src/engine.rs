@@ -4,6 +4,7 @@ use std::any::Any;
 use std::fmt::Debug;
 
 use glam::Vec3;
+use vivace_collision::Detector;
 use vivace_coloring::Vivace;
 use vivace_model::{Forces, Model, State};
 
@@ -24,11 +25,18 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// How many passes beside the sweep itself an iteration has.
     fn n_passes(&self) -> usize;
 
-    /// Takes another solver, or another model, whose particles have these colors, if there are any.
+    /// Takes another solver, or another model, whose particles have these colors and whose surface is prepared for detection so, if there
+    /// are any.
     ///
     /// # Errors
     /// It does not exist here; the old one stays.
-    fn set_solver(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError>;
+    fn set_solver(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError>;
 
     /// Colors anew in every frame, or no more.
     ///
@@ -49,7 +57,13 @@ pub(crate) trait Engine: Debug + Send + Sync {
     ///
     /// # Errors
     /// What this engine does not hold; the old ones stay.
-    fn set_attachments(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError>;
+    fn set_attachments(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError>;
 
     /// What depends on the time step alone. Returns at once where it is the same.
     ///
@@ -66,24 +80,16 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// After line 1: puts pinned particles elsewhere \[m\].
     fn place(&mut self, pins: &[(u32, Vec3)]);
 
-    /// Whether it has what follows.
-    fn has_collisions(&self) -> bool {
-        false
-    }
-
     /// Finds the contacts of the step of `h` \[s\] from where it begins to what was predicted for its end.
     ///
     /// # Errors
-    /// The engine has no contacts; detection refuses what was predicted.
+    /// Detection refuses what was predicted, or an obstacle.
     fn detect(
         &mut self,
         collisions: &mut Collisions,
         h: f32,
         report: &mut ContactReport,
-    ) -> Result<(), SolverError> {
-        let _ = (collisions, h, report);
-        Err(SolverError::NoCollisions)
-    }
+    ) -> Result<(), SolverError>;
 
     /// Takes the contacts that were found, for a small step whose end has been predicted.
     ///
@@ -95,10 +101,7 @@ pub(crate) trait Engine: Debug + Send + Sync {
         collisions: &Collisions,
         small: SmallStep,
         report: &mut ContactReport,
-    ) -> Result<(), SolverError> {
-        let _ = (model, collisions, small, report);
-        Err(SolverError::NoCollisions)
-    }
+    ) -> Result<(), SolverError>;
 
     /// After all small steps of a step of `h` \[s\]: holds back what has passed through something since contacts were looked for.
     ///
@@ -110,9 +113,16 @@ pub(crate) trait Engine: Debug + Send + Sync {
         forces: &Forces,
         h: f32,
         report: &mut ContactReport,
-    ) -> Result<(), SolverError> {
-        let _ = (collisions, forces, h, report);
-        Err(SolverError::NoCollisions)
+    ) -> Result<(), SolverError>;
+
+    /// After all that: what contacts did in the step, where that was not told before; whether some were left out for want of room, and there is
+    /// more room now.
+    ///
+    /// # Errors
+    /// What went wrong in finding out, or in making room.
+    fn report_contacts(&mut self, report: &mut ContactReport) -> Result<bool, SolverError> {
+        let _ = report;
+        Ok(false)
     }
 
     /// What the coloring of the next step depends on.
@@ -124,8 +134,8 @@ pub(crate) trait Engine: Debug + Send + Sync {
     ///
     /// # Errors
     /// It is not that of this model.
-    fn set_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
-        if *memory == ContactMemory::default() { Ok(()) } else { Err(SolverError::NoCollisions) }
+    fn set_memory(&mut self, _: &ContactMemory) -> Result<(), SolverError> {
+        Ok(())
     }
 
     /// Makes ready for lines 3 to 8, from what was predicted.

@@ -70,9 +70,6 @@ pub enum SolverError {
         /// What the factorisation said.
         reason: String,
     },
-    /// The engine has no collisions.
-    #[error("collisions are found and solved on the CPU only; take the CPU, or a scene without them")]
-    NoCollisions,
     /// Where coloring anew in every frame cannot be.
     #[error(
         "{why}, so it is not colored anew in every frame: its coloring stands as long as its constraints do"

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use glam::{DMat3, Vec3};
+use vivace_collision::Detector;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
@@ -101,13 +102,25 @@ impl Engine for Host {
         self.framework.n_passes()
     }
 
-    fn set_solver(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError> {
+    fn set_solver(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        _: Option<&Detector>,
+    ) -> Result<(), SolverError> {
         // Another model may have other particles.
         *self = Self::new(model, solver, colors)?;
         Ok(())
     }
 
-    fn set_attachments(&mut self, model: &Model, _: &Solver, _: &[u32]) -> Result<(), SolverError> {
+    fn set_attachments(
+        &mut self,
+        model: &Model,
+        _: &Solver,
+        _: &[u32],
+        _: Option<&Detector>,
+    ) -> Result<(), SolverError> {
         self.framework.set_attachments(model);
         Ok(())
     }
@@ -140,10 +153,6 @@ impl Engine for Host {
 
     fn place(&mut self, pins: &[(u32, Vec3)]) {
         pins.iter().for_each(|&(particle, at)| self.predicted[particle as usize] = at);
-    }
-
-    fn has_collisions(&self) -> bool {
-        true
     }
 
     fn detect(

@@ -13,7 +13,7 @@ use crate::device::OnDevice;
 use crate::engine::Engine;
 use crate::host::Host;
 use crate::step::{Ease, solve};
-use crate::{Budget, Framework, Relaxation, Solver, SolverError, StepReport};
+use crate::{Budget, ContactReport, Framework, Relaxation, Solver, SolverError, StepReport};
 
 /// A model with everything that does not change from frame to frame: coloring, matrix, scratch. A step allocates nothing after the
 /// first of its size.
@@ -144,7 +144,8 @@ impl System {
     pub fn set_solver(&mut self, solver: Solver) -> Result<(), SolverError> {
         solver.check()?;
         let colors = self.colors_of(&self.model);
-        self.engine.set_solver(&self.model, &solver, &colors)?;
+        let detector = self.collisions.as_ref().map(Collisions::detector);
+        self.engine.set_solver(&self.model, &solver, &colors, detector)?;
         self.solver = solver;
         self.ease = Ease::default();
         self.has_state = false;
@@ -188,7 +189,8 @@ impl System {
         let kept: Vec<(u32, Vec3, f32)> = self.model.attachments().skip(n).collect();
         self.model.replace_attachments(n, more)?;
         let colors = self.colors_of(&self.model);
-        if let Err(error) = self.engine.set_attachments(&self.model, &self.solver, &colors) {
+        let detector = self.collisions.as_ref().map(Collisions::detector);
+        if let Err(error) = self.engine.set_attachments(&self.model, &self.solver, &colors, detector) {
             self.model.replace_attachments(n, &kept)?;
             return Err(error);
         }
@@ -212,7 +214,9 @@ impl System {
         let torn = self.collisions.as_ref().filter(|_| is_torn).map(|all| all.torn(&model, n_kept));
         let torn = torn.transpose()?;
         let colors = self.colors_of(&model);
-        self.engine.set_solver(&model, &self.solver, &colors)?;
+        let detector = self.collisions.as_ref().map(Collisions::detector);
+        let detector = torn.as_ref().map(|(detector, _)| detector).or(detector);
+        self.engine.set_solver(&model, &self.solver, &colors, detector)?;
         if let (Some(collisions), Some(torn)) = (&mut self.collisions, torn) {
             collisions.set_torn(torn);
         }
@@ -274,14 +278,12 @@ impl System {
     /// Lets the model collide, or no more.
     ///
     /// # Errors
-    /// [`SolverError::NoCollisions`]: the device has none.
+    /// More primitives than can be numbered; what a device does not hold.
     pub fn set_collisions(&mut self, collisions: Option<Collisions>) -> Result<(), SolverError> {
-        if collisions.is_some() && !self.engine.has_collisions() {
-            return Err(SolverError::NoCollisions);
-        }
-        // Those of the last step are gone.
+        // Contacts of the last step are gone.
         let colors = self.colors_of(&self.model);
-        self.engine.set_solver(&self.model, &self.solver, &colors)?;
+        let detector = collisions.as_ref().map(Collisions::detector);
+        self.engine.set_solver(&self.model, &self.solver, &colors, detector)?;
         self.has_state = false;
         self.collisions = collisions;
         Ok(())
@@ -361,9 +363,23 @@ impl System {
         check(forces, h, &budget)?;
         self.load(state)?;
         let mut report = self.advance_from(start, forces, h, &budget, &before)?;
-        let finish_start = Instant::now();
+        let mut finish_start = Instant::now();
+        // Contacts that found no room are looked for again, with more: until there is as much as there may be.
+        loop {
+            match self.engine.report_contacts(&mut report.contacts) {
+                Ok(false) => break,
+                Ok(true) => {
+                    self.set_ease(before.ease);
+                    self.engine.load(state);
+                    report = self.advance_from(start, forces, h, &budget, &before)?;
+                    finish_start = Instant::now();
+                }
+                Err(error) => return Err(self.undo(error, &before)),
+            }
+        }
+        self.moves.clear();
         self.engine.stages().learn(&mut self.ease, &mut report);
-        if let Err(error) = self.store(state) {
+        if let Err(error) = self.read(state) {
             return Err(self.undo(error, &before));
         }
         report.times.finish += finish_start.elapsed().as_secs_f64();
@@ -383,7 +399,8 @@ impl System {
 
     /// As [`System::step`], from where the last step, this one or [`System::load`] has left the state to where it stays. On a device nothing
     /// is read back, but what a tolerance looks at: the safeguard decides there, and [`System::ease`] hears of it with [`System::store`],
-    /// which also tells what went wrong; its report counts no backoffs and has no objective of the safeguard's.
+    /// which also tells what went wrong; its report counts no backoffs, has no objective of the safeguard's and knows no contacts. Room
+    /// for contacts is what the last [`System::step`] or [`System::store`] has left.
     ///
     /// # Errors
     /// A force, step or budget that cannot be simulated; there is no state: nothing has changed then. Contacts that cannot be found: another
@@ -391,7 +408,9 @@ impl System {
     pub fn advance(&mut self, forces: &Forces, h: f32, budget: Budget) -> Result<StepReport, SolverError> {
         let (start, before) = (Instant::now(), self.before());
         check(forces, h, &budget)?;
-        self.advance_from(start, forces, h, &budget, &before)
+        let report = self.advance_from(start, forces, h, &budget, &before)?;
+        self.moves.clear();
+        Ok(report)
     }
 
     /// Reads the state where the last step has left it.
@@ -399,6 +418,16 @@ impl System {
     /// # Errors
     /// There is none; it is not finite, or the device has failed: `state` is as it was, and another has to be loaded.
     pub fn store(&mut self, state: &mut State) -> Result<(), SolverError> {
+        if !self.has_state {
+            return Err(SolverError::NoState);
+        }
+        let found = self.engine.report_contacts(&mut ContactReport::default());
+        self.has_state = found.is_ok();
+        found?;
+        self.read(state)
+    }
+
+    fn read(&mut self, state: &mut State) -> Result<(), SolverError> {
         if !std::mem::take(&mut self.has_state) {
             return Err(SolverError::NoState);
         }
@@ -430,7 +459,6 @@ impl System {
             return Err(self.undo(error, before));
         }
         let finish_start = Instant::now();
-        self.moves.clear();
         if self.is_measuring {
             self.measure(&mut report);
         }

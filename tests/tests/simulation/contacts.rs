@@ -13,7 +13,7 @@ use vivace_tests::scenes::{Scene, gauss_seidel, plain};
 use crate::common::{Random, intersection, outside};
 use crate::{NO_FORCE, moment};
 
-const H: f32 = 1.0 / 60.0;
+pub(crate) const H: f32 = 1.0 / 60.0;
 
 fn frameworks() -> [Framework; 4] {
     let pd = |local, vertex| Framework::ProjectiveDynamics { local, vertex };
@@ -26,7 +26,7 @@ fn frameworks() -> [Framework; 4] {
 }
 
 /// Cloths of `n` × `n` particles, 0.04 m apart, each placed.
-fn cloths(n: usize, places: &[Pose]) -> Scene {
+pub(crate) fn cloths(n: usize, places: &[Pose]) -> Scene {
     let flat = cloth::regular(n, n, 0.04).unwrap();
     let half = 0.02 * (n - 1) as f32 * Vec3::new(1.0, 0.0, 1.0);
     let mut builder = ModelBuilder::new();
@@ -40,7 +40,7 @@ fn cloths(n: usize, places: &[Pose]) -> Scene {
     builder.build().unwrap()
 }
 
-fn options(friction: f32) -> Options {
+pub(crate) fn options(friction: f32) -> Options {
     Options { friction, ..Options::new(0.01) }
 }
 
@@ -52,20 +52,20 @@ fn system(scene: &Scene, solver: Solver, options: Options, obstacles: &[Obstacle
     system
 }
 
-fn sphere(radius: f32, friction: f32) -> Obstacle {
+pub(crate) fn sphere(radius: f32, friction: f32) -> Obstacle {
     Obstacle::fixed(Shape::Sphere { radius }, Pose::IDENTITY, friction)
 }
 
-fn floor(y: f32, friction: f32) -> Obstacle {
+pub(crate) fn floor(y: f32, friction: f32) -> Obstacle {
     Obstacle::fixed(Shape::Plane, Pose::at(Vec3::new(0.0, y, 0.0)), friction)
 }
 
-fn fastest(state: &State) -> f32 {
+pub(crate) fn fastest(state: &State) -> f32 {
     state.velocities.iter().map(|v| v.length()).fold(0.0, f32::max)
 }
 
 /// Nothing intersects, nobody is inside.
-fn assert_clean(model: &Model, state: &State, obstacles: &[Obstacle], what: &str) {
+pub(crate) fn assert_clean(model: &Model, state: &State, obstacles: &[Obstacle], what: &str) {
     let found = intersection(&state.positions, &model.surface().to_vec());
     assert_eq!(found, None, "{what}");
     for obstacle in obstacles {
@@ -300,7 +300,7 @@ fn a_heap_stays_finite_and_inside() {
     assert!(fastest(&state) < 1.0, "{}", fastest(&state));
 }
 
-fn extent(state: &State) -> f32 {
+pub(crate) fn extent(state: &State) -> f32 {
     state
         .positions
         .iter()

@@ -15,6 +15,7 @@ mod estimate;
 mod extremes;
 mod heap;
 mod linear;
+mod on_device;
 mod pays_for_what_it_holds;
 mod symmetry;
 mod tearing;

@@ -1,5 +1,6 @@
-//! Frames of one large cloth, which never come to the host but at the end.
+//! Frames of one large cloth, alone or with collisions, which never come to the host but at the end.
 
+use std::path::Path;
 use std::time::Instant;
 
 use vivace_coloring::Vivace;
@@ -7,7 +8,8 @@ use vivace_gpu::{Footprint, Gpu, Grids, KernelTime};
 use vivace_kernels::Backend;
 use vivace_mesh::cloth as cloths;
 use vivace_model::{Forces, Model, ModelBuilder, State};
-use vivace_solver::{Base, Budget, Framework, Relaxation, Solver, SolverError, System};
+use vivace_scene::drape;
+use vivace_solver::{Base, Budget, Collisions, Framework, Relaxation, Solver, SolverError, System};
 
 use super::BenchError;
 use super::kernels::{self, Copies};
@@ -52,34 +54,67 @@ pub(super) struct Case {
     pub(super) has_hinges: bool,
     /// Whether each frame colors anew, and who says how large its classes are.
     pub(super) recoloring: Option<Grids>,
+    /// Whether the cloth falls on a ball, and collides with it and with itself; else it hangs on two corners.
+    pub(super) is_drape: bool,
 }
 
 /// The paper's heap of cloths: its constraints, recolored in every frame or not.
 pub(super) fn heap() -> [Case; 3] {
-    let case = |recoloring| Case { n_constraints: 324_000, has_hinges: true, recoloring };
+    let case = |recoloring| Case { n_constraints: 324_000, has_hinges: true, recoloring, is_drape: false };
     [None, Some(Grids::Indirect), Some(Grids::Bounds)].map(case)
 }
 
 impl Case {
     /// A cloth of springs that keeps its coloring.
     pub(super) fn springs(n_constraints: usize) -> Self {
-        Self { n_constraints, has_hinges: false, recoloring: None }
+        Self { n_constraints, has_hinges: false, recoloring: None, is_drape: false }
+    }
+
+    /// A cloth of springs and hinges with collisions.
+    pub(super) fn drape(n_constraints: usize) -> Self {
+        Self { n_constraints, has_hinges: true, recoloring: None, is_drape: true }
     }
 
     fn scene(self) -> &'static str {
-        if self.has_hinges { "springs and hinges" } else { "springs" }
+        match (self.is_drape, self.has_hinges) {
+            (true, _) => "falls on a ball, with collisions",
+            (_, true) => "springs and hinges",
+            _ => "springs",
+        }
     }
 
     fn recolored(self) -> &'static str {
         self.recoloring.map_or("no", super::measure::name)
     }
+
+    fn build(self) -> Result<(Model, State), FigureError> {
+        if self.is_drape {
+            Ok(drape(width(self.n_constraints / 2)).build(Path::new("."))?)
+        } else {
+            cloth(self)
+        }
+    }
+
+    /// Lets the model collide, if it does.
+    fn collide(self, system: &mut System, state: &State) -> Result<(), SolverError> {
+        let of = drape(width(state.positions.len() * 3)).collisions.filter(|_| self.is_drape);
+        let Some(of) = of else { return Ok(()) };
+        let mut collisions = Collisions::new(system.model(), &state.positions, of.options())?;
+        // No files: a ball and the floor.
+        collisions.obstacles_mut().extend(of.obstacles(Path::new(".")).unwrap_or_default());
+        system.set_collisions(Some(collisions))
+    }
+}
+
+/// Particles along a side of a square cloth of about so many springs: three a particle; the root, to the nearest number.
+fn width(n_springs: usize) -> usize {
+    (4 * n_springs / 3).isqrt().div_ceil(2).max(2)
 }
 
 /// A square cloth of about so many constraints, two corners pinned.
 fn cloth(case: Case) -> Result<(Model, State), FigureError> {
-    // Three springs a particle, and as many hinges; the root, to the nearest number.
-    let n_springs = if case.has_hinges { case.n_constraints / 2 } else { case.n_constraints };
-    let n = (4 * n_springs / 3).isqrt().div_ceil(2).max(2);
+    // As many hinges as springs.
+    let n = width(if case.has_hinges { case.n_constraints / 2 } else { case.n_constraints });
     let mesh = cloths::regular(n, n, 1.0 / (n as f32 - 1.0))?;
     let mut builder = ModelBuilder::new();
     builder.cloth(&mesh, 0.2)?;
@@ -107,8 +142,14 @@ fn frame(system: &mut System, state: &mut State) -> Result<(), SolverError> {
 }
 
 /// The model on a device.
-fn system<B: Backend + Send + 'static>(model: &Model, case: Case, backend: B) -> Result<System, SolverError> {
+fn system<B: Backend + Send + 'static>(
+    model: &Model,
+    state: &State,
+    case: Case,
+    backend: B,
+) -> Result<System, SolverError> {
     let mut system = System::on(model.clone(), solver(), backend)?;
+    case.collide(&mut system, state)?;
     system.set_recoloring(case.recoloring.map(|_| Vivace::DEFAULT))?;
     Ok(system)
 }
@@ -116,7 +157,7 @@ fn system<B: Backend + Send + 'static>(model: &Model, case: Case, backend: B) ->
 /// What the frames of a model will have allocated on a device, without one.
 fn bytes(model: &Model, state: &State, case: Case) -> Result<u64, SolverError> {
     let device = Footprint::new();
-    let mut system = system(model, case, device.clone())?;
+    let mut system = system(model, state, case, device.clone())?;
     // Lists of a frame go when the next has its own.
     frame(&mut system, &mut state.clone())?;
     frame(&mut system, &mut state.clone())?;
@@ -130,7 +171,7 @@ pub(super) fn frames(
     table: &mut Table,
     by_kernel: &mut Table,
 ) -> Result<(), BenchError> {
-    let (model, state) = cloth(case)?;
+    let (model, state) = case.build()?;
     let (n_constraints, n_particles) = (model.constraints().len(), model.n_particles());
     let bytes = bytes(&model, &state, case).map_err(FigureError::from)?;
     let row = |colors: usize, numbers: [f64; 7], note: String| {
@@ -179,9 +220,10 @@ struct Frames {
 
 fn measured(model: &Model, mut state: State, case: Case) -> Result<Frames, SolverError> {
     let gpu = Gpu::new().map_err(|error| SolverError::Device(Box::new(error)))?;
-    let mut system = system(model, case, gpu.with_grids(case.recoloring.unwrap_or_default()))?;
-    // The first frames make pipelines and buffers.
-    (0..2).try_for_each(|_| frame(&mut system, &mut state))?;
+    let mut system = system(model, &state, case, gpu.with_grids(case.recoloring.unwrap_or_default()))?;
+    // The first frames make pipelines and buffers; the ball is met after nine.
+    let n_first = if case.is_drape { 20 } else { 2 };
+    (0..n_first).try_for_each(|_| frame(&mut system, &mut state))?;
     let count = |system: &mut System| system.resident::<Gpu>().map_or(0, |at| at.backend.n_dispatches());
     let before = count(&mut system);
     let mut times = Vec::new();

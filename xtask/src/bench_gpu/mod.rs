@@ -92,7 +92,8 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
         .filter(|workload| measure::GRAPHS.contains(&workload.name))
         .collect();
     let sizes = sizes(options, &gpu);
-    let cases: Vec<Case> = sizes.into_iter().map(Case::springs).chain(frames::heap()).collect();
+    let of_sizes = sizes.into_iter().flat_map(|n| [Case::springs(n), Case::drape(n)]);
+    let cases: Vec<Case> = of_sizes.chain(frames::heap()).collect();
     progress.figure("bench-gpu", 2 + 2 * workloads.len() as u64 + cases.len() as u64);
     progress.step("dispatches");
     let dispatches = measure::dispatches()?;

@@ -4,7 +4,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use vivace_kernels::{
-    Backend, CountDown, Element, Map, Params, RoundCount, Scatter, Select, Shader, Update, View, Views,
+    Backend, CountDown, Element, Expand, Lower, Map, Params, RoundCount, Scatter, Select, Shader, Update,
+    View, Views,
 };
 
 use super::Gpu;
@@ -169,6 +170,32 @@ impl Backend for Gpu {
                 List { state: Err(error) }
             }
         }
+    }
+
+    fn expand<K: Expand>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        items: &mut Buffer<K::Item>,
+        counts: &mut Buffer<u32>,
+    ) -> List {
+        let found = self.try_expand::<K>(list, uniform, inputs, items, counts);
+        if let Err(error) = &found {
+            items.memory = Err(error.clone());
+            counts.memory = Err(error.clone());
+        }
+        List::listed(found)
+    }
+
+    fn lower<K: Lower<N>, const N: usize>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        lowest: &mut Buffer<u32>,
+    ) {
+        self.run_over::<K, _>(&Shader::lower::<K, N>(), list, uniform.into(), inputs, lowest);
     }
 
     fn group_by(&self, keys: &Buffer<u32>, n_keys: u32) -> Vec<List> {

@@ -336,6 +336,11 @@ pub(crate) fn decisions_bytes(capacity: usize) -> u64 {
     array_bytes::<[u32; 9]>(capacity.div_ceil(GROUP))
 }
 
+/// Bytes of where the items of an expansion go: 258 words a group, as in `places.wgsl`.
+pub(crate) fn places_bytes(capacity: usize) -> u64 {
+    array_bytes::<[u32; GROUP + 2]>(capacity.div_ceil(GROUP))
+}
+
 /// Bytes of the counts of a sort: one for each group and key.
 pub(crate) fn counts_bytes(n: usize, n_keys: u32) -> u64 {
     array_bytes::<u32>(n.div_ceil(GROUP) * n_keys as usize)

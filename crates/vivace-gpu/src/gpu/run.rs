@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use bytemuck::Zeroable;
 use vivace_kernels::{
-    Element, Inputs, Kernel, ListShader, MOST_KEYS, PARAMS_BYTES, Params, Select, Shader, ViewVisitor, Views,
+    Element, Expand, Inputs, Kernel, ListShader, MOST_KEYS, PARAMS_BYTES, Params, Select, Shader,
+    ViewVisitor, Views,
 };
 
-use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, counts_bytes, decisions_bytes};
+use super::{Gpu, HEADERS_BYTES, MOST_BIND_GROUPS, counts_bytes, decisions_bytes, places_bytes};
 use crate::list::{Elements, HEADER_BYTES, Indices};
 use crate::memory::{Allocation, Buffer, GpuMemory, array_bytes};
 use crate::pipeline::{Pipeline, UNIFORM_BYTES};
@@ -168,7 +169,8 @@ impl Gpu {
         }
     }
 
-    /// Runs a kernel over a list. `decisions` is where a select writes what it decides.
+    /// Runs a kernel over a list. `work` is where a select writes what it decides, or an expansion where it goes on, and whether that
+    /// is known.
     fn run<K: Kernel>(
         &self,
         shader: &Shader,
@@ -176,7 +178,7 @@ impl Gpu {
         params: Params<'_, Self, K::Uniform>,
         inputs: Views<'_, K, GpuMemory>,
         written: Written<'_>,
-        decisions: Option<Bound<'_>>,
+        work: Option<(Bound<'_>, u32)>,
     ) -> Result<(), GpuError> {
         const { assert!(size_of::<K::Uniform>() <= UNIFORM_BYTES, "a uniform has 256 bytes at most") };
         const { assert!(PARAMS_BYTES == UNIFORM_BYTES, "where the device finds them, too") };
@@ -204,7 +206,7 @@ impl Gpu {
             }
         };
         let mut run = vec![self.bound_headers(), bound, Bound::Uniform, bound_params];
-        run.extend(decisions);
+        run.extend(work.map(|(bound, _)| bound));
         let share = (list.capacity() as f64 / written.len.max(1) as f64).min(1.0);
         let bytes = share * self.bytes(&own) + self.bytes(&run);
         let pipeline = self.pipelines.kernel::<K>(&self.device, shader);
@@ -221,7 +223,7 @@ impl Gpu {
             };
             (0..n).step_by(IN_ORDER).for_each(|first| dispatch(first, Grid::Groups(1)));
         } else {
-            dispatch(0, self.grid(list));
+            dispatch(work.map_or(0, |(_, value)| value), self.grid(list));
         }
         Ok(())
     }
@@ -279,7 +281,7 @@ impl Gpu {
         let (elements, shader) = (Elements::Listed(list.clone()), Shader::select::<K>());
         let bound = output.bound()?;
         let written = Written::one(&bound, output.len);
-        self.run::<K>(&shader, &elements, uniform.into(), inputs, written, Some(decisions))?;
+        self.run::<K>(&shader, &elements, uniform.into(), inputs, written, Some((decisions, 0)))?;
         let places = Run {
             list: list.header.place,
             kept: kept.header.place,
@@ -297,6 +299,42 @@ impl Gpu {
         ];
         self.dispatch(&split, &groups, uniforms, self.grid(&elements));
         Ok([kept, selected])
+    }
+
+    /// The list of the items written.
+    pub(super) fn try_expand<K: Expand>(
+        &self,
+        list: &List,
+        uniform: &K::Uniform,
+        inputs: Views<'_, K, GpuMemory>,
+        items: &Buffer<K::Item>,
+        counts: &Buffer<u32>,
+    ) -> Result<Arc<Indices>, GpuError> {
+        let elements = list.state()?;
+        let bytes = places_bytes(elements.capacity());
+        let memory = self.work(bytes)?;
+        let places = Bound::Array(&memory.buffer, bytes);
+        let found = self.list(items.len)?;
+        let (shader, bound) = (Shader::expand::<K>(), items.bound()?);
+        let written = Written::one(&bound, items.len);
+        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some((places, 0)))?;
+        let (value, selected) = (u32::try_from(items.len).unwrap_or(u32::MAX), found.header.place);
+        let run = match elements {
+            Elements::Listed(list) => Run { list: list.header.place, value, selected, ..Run::zeroed() },
+            Elements::Range(range) => {
+                let len = range.end.saturating_sub(range.start);
+                Run { list: RANGE, len, value, selected, ..Run::zeroed() }
+            }
+        };
+        let uniforms = [Uniform::Bytes(bytemuck::bytes_of(&run)), Uniform::NONE];
+        let place = self.pipelines.list(&self.device, ListShader::Place);
+        let groups = [vec![self.bound_headers(), places, Bound::Uniform, counts.bound()?]];
+        self.dispatch(&place, &groups, uniforms, Grid::Groups(1));
+        self.run::<K>(&shader, elements, uniform.into(), inputs, written, Some((places, 1)))?;
+        let number = self.pipelines.list(&self.device, ListShader::Number);
+        let groups = [vec![self.bound_headers(), found.bound(), Bound::Uniform]];
+        self.dispatch(&number, &groups, uniforms, self.grid(&Elements::Listed(found.clone())));
+        Ok(found)
     }
 
     /// The lists of a sort, in memory that they share.

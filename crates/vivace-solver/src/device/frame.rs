@@ -1,6 +1,7 @@
 //! The stages of Projective Dynamics as runs of kernels: see `pd/mod.rs`, of which this is the twin.
 
 use glam::{Vec3, Vec3A, Vec4};
+use vivace_collision::{Detector, Obstacle};
 use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::pd::{
@@ -11,6 +12,7 @@ use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SquaredDistance, Squa
 use vivace_model::{Forces, Model, State};
 
 use super::Solve;
+use super::collide::Collider;
 use super::conjugate_gradient::ConjugateGradient;
 use super::history::History;
 use super::motion::Motion;
@@ -19,14 +21,15 @@ use super::recolor::Recolor;
 use super::rows::DeviceRows;
 use super::sums::Sums;
 use super::watch::Watch;
+use crate::contacts::SmallStep;
 use crate::error::narrow;
 use crate::pd::layout::Layout;
 use crate::pd::rows::Rows;
 use crate::pd::{attachments, masses, weigh};
 use crate::stages::TOLERATED_RISE;
 use crate::{
-    Base, Ease, Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverError, StepReport,
-    VertexSolve,
+    Base, ContactReport, Ease, Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverError,
+    StepReport, VertexSolve,
 };
 
 /// How a particle is relaxed.
@@ -70,7 +73,10 @@ pub(super) struct Frame<B: Backend> {
     residuals: B::Buffer<Vec4>,
     blocks: B::Buffer<[Vec4; 2]>,
     latest: B::Buffer<Vec4>,
+    /// Numbers that are added up together.
+    groups: Vec<u32>,
     sums: Sums<B>,
+    contacts: Option<Collider<B>>,
     watch: Watch<B, Omega>,
     conjugate_gradient: Option<ConjugateGradient<B>>,
     /// What the device could not do in this frame.
@@ -134,6 +140,8 @@ impl<B: Backend + 'static> Frame<B> {
             blocks: backend.filled(n_blocks, [Vec4::ZERO; 2]),
             latest: vectors(has_previous_in_place),
             sums: Sums::new(backend, &groups),
+            groups,
+            contacts: None,
             watch: Watch::new(backend),
             conjugate_gradient: is_linear_solver.then(|| ConjugateGradient::new(backend, n, n_free)),
             failed: None,
@@ -221,6 +229,9 @@ impl<B: Backend + 'static> Frame<B> {
             pass.energies(backend, q, &mut self.sums.numbers);
             self.sums.add(backend, pass.len());
         }
+        if let Some(contacts) = &self.contacts {
+            contacts.add_energy(backend, self.h, q, &mut self.sums);
+        }
     }
 
     /// What was added up; not a number where the device fails, which is a rise to the safeguard.
@@ -229,6 +240,13 @@ impl<B: Backend + 'static> Frame<B> {
             self.failed = Some(SolverError::Device(Box::new(error)));
             f64::NAN
         })
+    }
+
+    /// Makes room for what is added up.
+    fn fit_sums(&mut self, backend: &B) {
+        let groups = self.groups.iter().copied();
+        let all: Vec<u32> = groups.chain(self.contacts.iter().flat_map(Collider::groups)).collect();
+        self.sums = Sums::new(backend, &all);
     }
 
     fn mean_root(&mut self, backend: &B) -> f64 {
@@ -299,6 +317,9 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
             backend.write(&mut self.anchors, &anchors);
             self.h = h;
             self.are_targets_new = true;
+            if let Some(contacts) = &mut self.contacts {
+                contacts.set_diagonal(backend, &self.inverse_diagonal);
+            }
         }
         if std::mem::take(&mut self.are_targets_new) {
             let holds = self.holds();
@@ -320,10 +341,59 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.motion.place(backend, &self.layout, pins);
     }
 
+    fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError> {
+        let of = |detector| Collider::new(backend, detector, &self.layout.place, &self.motion.inverse_masses);
+        self.contacts = detector.map(of).transpose()?;
+        // Contacts have to be told the diagonal.
+        self.h = 0.0;
+        self.fit_sums(backend);
+        Ok(())
+    }
+
+    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(()) };
+        self.motion.start_step(backend);
+        if contacts.detect(backend, &self.motion.before, &self.motion.q, obstacles)? {
+            self.fit_sums(backend);
+        }
+        Ok(())
+    }
+
+    fn take_contacts(&mut self, backend: &B, small: SmallStep) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.take(backend, small, &self.motion.before);
+        }
+    }
+
+    /// As on the host in small steps: an iteration ends with its contacts, whatever its sweeps have done.
+    fn touch(&mut self, backend: &B) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.relax(backend, &mut self.motion.q);
+        }
+    }
+
+    fn guard(&mut self, backend: &B, forces: &Forces, h: f32) {
+        if let Some(contacts) = &mut self.contacts {
+            self.motion.guard(backend, forces, h, |start, q| contacts.guard(backend, start, q));
+        }
+    }
+
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(false) };
+        let found = contacts.report(backend, &self.motion.q, &mut self.sums);
+        *report = found.map_err(|error| SolverError::Device(Box::new(error)))?;
+        let has_grown = contacts.grow(backend)?;
+        if has_grown {
+            self.fit_sums(backend);
+        }
+        Ok(has_grown)
+    }
+
     /// Makes anchors of what was predicted.
     fn begin(&mut self, backend: &B, _: f32) {
         let inputs = (backend.view(&self.motion.q), backend.view(&self.holds));
         backend.map::<Anchor>(&self.free, &(), inputs, &mut self.anchors);
+        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
         // All other relaxations remember before they extrapolate.
         if self.has_previous_in_place {
             self.history.begin(backend, &self.motion.q);
@@ -449,10 +519,12 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn save(&mut self, backend: &B) {
         self.history.save(backend, &self.motion.q);
+        self.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
     }
 
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
+        self.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
     }
 
     fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
@@ -471,6 +543,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.watch.look(backend, &mut self.sums, k, is_last, rise);
         if k > 0 {
             self.history.follow(backend, self.watch.known(), &mut self.motion.q);
+            self.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
         }
     }
 

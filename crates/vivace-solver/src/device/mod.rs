@@ -5,10 +5,13 @@
 //! a tolerance (after each iteration), for the safeguard (after 8, 16, 32, 48, … iterations) and where a step is measured. What a
 //! device could not do is remembered and comes out where the frame is stored.
 //!
+//! Collisions are found, colored, solved and guarded there too: `collide.rs`.
+//!
 //! In Projective Dynamics a color is a range of particles and one dispatch; constraints that are neither springs nor flat hinges add
 //! one for each of their kinds, if projections are fused, and blocks two more. In Position Based Dynamics a color is a range of the
 //! constraints of each kind, and a dispatch for each kind that has some of it.
 
+mod collide;
 mod conjugate_gradient;
 mod frame;
 mod history;
@@ -26,12 +29,17 @@ use std::fmt::{self, Debug};
 use std::sync::{Mutex, PoisonError};
 
 use glam::{Vec3, Vec4};
+use vivace_collision::{Detector, Obstacle};
 use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, State};
 
+use crate::collisions::Collisions;
+use crate::contacts::SmallStep;
 use crate::engine::Engine;
-use crate::{Ease, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages, StepReport};
+use crate::{
+    ContactReport, Ease, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages, StepReport,
+};
 use frame::Frame;
 use position_based::PositionBased;
 
@@ -64,6 +72,18 @@ trait Solve<B: Backend>: Send {
     fn load(&mut self, backend: &B, state: &State);
     fn predict(&mut self, backend: &B, model: &Model, forces: &Forces, h: f32);
     fn place(&mut self, backend: &B, pins: &[(u32, Vec3)]);
+    fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError>;
+    /// Whether contacts come after all other constraints in a sweep.
+    fn has_contact_color(&self) -> bool {
+        false
+    }
+    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError>;
+    fn take_contacts(&mut self, backend: &B, small: SmallStep);
+    fn relax_contacts(&mut self, _: &B) {}
+    fn touch(&mut self, _: &B) {}
+    fn guard(&mut self, backend: &B, forces: &Forces, h: f32);
+    /// What contacts did in the step; whether some found no room, and there is more now.
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError>;
     fn begin(&mut self, backend: &B, h: f32);
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32);
     fn store(&mut self, backend: &B, model: &Model, state: &mut State) -> Result<(), SolverError>;
@@ -166,9 +186,19 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         self.n_passes
     }
 
-    fn set_solver(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError> {
+    fn set_solver(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        *frame = self::frame(backend, model, solver, colors)?;
+        let mut new = self::frame(backend, model, solver, colors)?;
+        if detector.is_some() {
+            new.set_collisions(backend, detector)?;
+        }
+        *frame = new;
         let counts = (frame.n_colors(), frame.n_passes());
         (self.n_colors, self.n_passes) = counts;
         Ok(())
@@ -190,11 +220,17 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         self.device().frame.set_attachment_target(idx, target);
     }
 
-    fn set_attachments(&mut self, model: &Model, solver: &Solver, colors: &[u32]) -> Result<(), SolverError> {
+    fn set_attachments(
+        &mut self,
+        model: &Model,
+        solver: &Solver,
+        colors: &[u32],
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError> {
         if self.device().frame.set_attachments(model) {
             Ok(())
         } else {
-            self.set_solver(model, solver, colors)
+            self.set_solver(model, solver, colors, detector)
         }
     }
 
@@ -216,6 +252,45 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
     fn place(&mut self, pins: &[(u32, Vec3)]) {
         let Device { backend, frame } = self.device();
         frame.place(backend, pins);
+    }
+
+    fn detect(
+        &mut self,
+        collisions: &mut Collisions,
+        _: f32,
+        _: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.detect(backend, collisions.obstacles())
+    }
+
+    fn take_contacts(
+        &mut self,
+        _: &Model,
+        _: &Collisions,
+        small: SmallStep,
+        _: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.take_contacts(backend, small);
+        Ok(())
+    }
+
+    fn guard(
+        &mut self,
+        _: &mut Collisions,
+        forces: &Forces,
+        h: f32,
+        _: &mut ContactReport,
+    ) -> Result<(), SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.guard(backend, forces, h);
+        Ok(())
+    }
+
+    fn report_contacts(&mut self, report: &mut ContactReport) -> Result<bool, SolverError> {
+        let Device { backend, frame } = self.device();
+        frame.report_contacts(backend, report)
     }
 
     fn begin(&mut self, h: f32) {
@@ -240,7 +315,8 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
 
 impl<B: Backend + 'static> Stages for Device<B> {
     fn n_colors(&self) -> u32 {
-        u32::try_from(self.frame.n_colors()).unwrap_or(u32::MAX)
+        let n_colors = self.frame.n_colors() + usize::from(self.frame.has_contact_color());
+        u32::try_from(n_colors).unwrap_or(u32::MAX)
     }
 
     fn project(&mut self) {
@@ -252,19 +328,30 @@ impl<B: Backend + 'static> Stages for Device<B> {
     }
 
     fn relax_color(&mut self, color: u32, omega: f32) {
-        self.frame.relax_color(&self.backend, color as usize, omega);
+        match color as usize {
+            color if color < self.frame.n_colors() => self.frame.relax_color(&self.backend, color, omega),
+            // After all other constraints come contacts.
+            _ => self.frame.relax_contacts(&self.backend),
+        }
     }
 
     fn relax_color_from_previous(&mut self, color: u32, omega: f32) {
-        self.frame.relax_color_from_previous(&self.backend, color as usize, omega);
+        match color as usize {
+            color if color < self.frame.n_colors() => {
+                self.frame.relax_color_from_previous(&self.backend, color, omega);
+            }
+            _ => self.frame.relax_contacts(&self.backend),
+        }
     }
 
     fn relax_all(&mut self, omega: f32) {
         self.frame.relax_all(&self.backend, omega);
+        self.frame.relax_contacts(&self.backend);
     }
 
     fn relax_in_order(&mut self, omega: f32) {
         self.frame.relax_in_order(&self.backend, omega);
+        self.frame.relax_contacts(&self.backend);
     }
 
     fn solve_by_conjugate_gradient(&mut self, preconditioner: Preconditioner, inner: u32) {
@@ -273,6 +360,10 @@ impl<B: Backend + 'static> Stages for Device<B> {
 
     // `check` does not let it come here.
     fn solve_directly(&mut self) {}
+
+    fn touch(&mut self) {
+        self.frame.touch(&self.backend);
+    }
 
     fn remember(&mut self) {
         self.frame.remember(&self.backend);

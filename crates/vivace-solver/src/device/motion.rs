@@ -2,9 +2,10 @@
 
 use glam::{Vec3, Vec4};
 use vivace_kernels::Backend;
+use vivace_kernels::collision::{HeldVelocity, HeldVelocityUniform};
 use vivace_kernels::step::{
-    Blow, BlowUniform, Place, Predict, PredictUniform, SetVector, SetVectorUniform, UpdateVelocity,
-    UpdateVelocityUniform,
+    Blow, BlowUniform, CopyVector, Place, Predict, PredictUniform, SetVector, SetVectorUniform,
+    UpdateVelocity, UpdateVelocityUniform,
 };
 use vivace_model::{Forces, Model, State, Wind};
 
@@ -17,7 +18,10 @@ pub(super) struct Motion<B: Backend> {
     all: B::List,
     /// The latest positions \[m\].
     pub(super) q: B::Buffer<Vec4>,
-    before: B::Buffer<Vec4>,
+    /// Those at the start of the (small) step \[m\].
+    pub(super) before: B::Buffer<Vec4>,
+    /// Those at the start of the whole step, where contacts were looked for \[m\]. Made when they first are.
+    start: Option<B::Buffer<Vec4>>,
     velocities: B::Buffer<Vec4>,
     accelerations: B::Buffer<Vec4>,
     /// What `accelerations` are everywhere, if they are.
@@ -26,7 +30,7 @@ pub(super) struct Motion<B: Backend> {
     surface: Option<Surface<B>>,
     /// Where pinned particles go, and 1; 0 where they stay. Made when one first goes.
     places: Option<B::Buffer<Vec4>>,
-    inverse_masses: Vec<f32>,
+    pub(super) inverse_masses: Vec<f32>,
     /// What the host has handed out last, and whether the device still has it.
     stored: State,
     is_stored: bool,
@@ -51,6 +55,7 @@ impl<B: Backend> Motion<B> {
             all: backend.range(0..n),
             q: zeros(),
             before: zeros(),
+            start: None,
             velocities: zeros(),
             accelerations: zeros(),
             gravity: Some(Vec3::ZERO),
@@ -133,6 +138,29 @@ impl<B: Backend> Motion<B> {
         backend.map::<UpdateVelocity>(&self.all, &uniform, inputs, &mut self.velocities);
         self.has_ended = true;
         self.is_stored = false;
+    }
+
+    /// Remembers where the whole step begins: after its end was predicted, before small steps.
+    pub(super) fn start_step(&mut self, backend: &B) {
+        let Self { start, before, all, inverse_masses, .. } = self;
+        let start = start.get_or_insert_with(|| backend.filled(inverse_masses.len(), Vec4::ZERO));
+        backend.map::<CopyVector>(all, &(), (backend.view(before),), start);
+    }
+
+    /// After all small steps of a step of `h` \[s\]: lets `guard` hold back what passes on its way from the start, to where it has come.
+    pub(super) fn guard(
+        &mut self,
+        backend: &B,
+        forces: &Forces,
+        h: f32,
+        guard: impl FnOnce(&B::Buffer<Vec4>, &mut B::Buffer<Vec4>),
+    ) {
+        let Self { start: Some(start), before, q, all, velocities, .. } = self else { return };
+        backend.map::<CopyVector>(all, &(), (backend.view(q),), before);
+        guard(start, q);
+        let inputs = (backend.view(q), backend.view(before), backend.view(start));
+        let uniform = HeldVelocityUniform { scale: (-forces.damping * h).exp() / h };
+        backend.map::<HeldVelocity>(all, &uniform, inputs, velocities);
     }
 
     /// Reads back where the frame has ended.

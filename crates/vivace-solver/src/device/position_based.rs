@@ -2,6 +2,7 @@
 //! order.
 
 use glam::{Vec3, Vec4};
+use vivace_collision::{Detector, Obstacle};
 use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::constraint::Xpbd;
@@ -10,15 +11,17 @@ use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SetVector, SetVectorU
 use vivace_model::{Forces, Model, State};
 
 use super::Solve;
+use super::collide::Collider;
 use super::history::History;
 use super::kind::{Found, Kind, Kinds};
 use super::motion::Motion;
 use super::sums::Sums;
 use super::watch::Watch;
+use crate::contacts::SmallStep;
 use crate::error::narrow;
 use crate::pbd::TOLERATED_RISE;
 use crate::pd::layout::Layout;
-use crate::{Ease, Relaxation, SolverError, StepReport};
+use crate::{ContactReport, Ease, Relaxation, SolverError, StepReport};
 
 /// A model prepared for Position Based Dynamics on a device, and all that changes in a frame.
 pub(super) struct PositionBased<B: Backend> {
@@ -32,7 +35,10 @@ pub(super) struct PositionBased<B: Backend> {
     motion: Motion<B>,
     history: History<B>,
     gradients: B::Buffer<Vec4>,
+    /// Numbers that are added up together.
+    groups: Vec<u32>,
     sums: Sums<B>,
+    contacts: Option<Collider<B>>,
     watch: Watch<B, Xpbd>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
@@ -57,6 +63,8 @@ impl<B: Backend + 'static> PositionBased<B> {
             history: History::new(backend, n, n),
             gradients: zeros(),
             sums: Sums::new(backend, &groups),
+            groups,
+            contacts: None,
             watch: Watch::new(backend),
             failed: None,
             layout,
@@ -89,6 +97,9 @@ impl<B: Backend + 'static> PositionBased<B> {
         for kind in &self.kinds {
             kind.add_energy(backend, &motion.q, sums);
         }
+        if let Some(contacts) = &self.contacts {
+            contacts.add_energy(backend, self.squared_h.sqrt(), &motion.q, sums);
+        }
     }
 
     /// What was added up; not a number where the device fails, which is a rise to the safeguard.
@@ -97,6 +108,13 @@ impl<B: Backend + 'static> PositionBased<B> {
             self.failed = Some(failure(error));
             f64::NAN
         })
+    }
+
+    /// Makes room for what is added up.
+    fn fit_sums(&mut self, backend: &B) {
+        let groups = self.groups.iter().copied();
+        let all: Vec<u32> = groups.chain(self.contacts.iter().flat_map(Collider::groups)).collect();
+        self.sums = Sums::new(backend, &all);
     }
 
     /// The root of the mean of a number of each particle over those that are free.
@@ -152,12 +170,61 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.motion.place(backend, &self.layout, pins);
     }
 
+    fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError> {
+        let of = |detector| Collider::new(backend, detector, &self.layout.place, &self.motion.inverse_masses);
+        self.contacts = detector.map(of).transpose()?;
+        self.fit_sums(backend);
+        Ok(())
+    }
+
+    fn has_contact_color(&self) -> bool {
+        self.contacts.is_some()
+    }
+
+    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(()) };
+        self.motion.start_step(backend);
+        if contacts.detect(backend, &self.motion.before, &self.motion.q, obstacles)? {
+            self.fit_sums(backend);
+        }
+        Ok(())
+    }
+
+    fn take_contacts(&mut self, backend: &B, small: SmallStep) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.take(backend, small, &self.motion.before);
+        }
+    }
+
+    fn relax_contacts(&mut self, backend: &B) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.relax(backend, &mut self.motion.q);
+        }
+    }
+
+    fn guard(&mut self, backend: &B, forces: &Forces, h: f32) {
+        if let Some(contacts) = &mut self.contacts {
+            self.motion.guard(backend, forces, h, |start, q| contacts.guard(backend, start, q));
+        }
+    }
+
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(false) };
+        *report = contacts.report(backend, &self.motion.q, &mut self.sums).map_err(failure)?;
+        let has_grown = contacts.grow(backend)?;
+        if has_grown {
+            self.fit_sums(backend);
+        }
+        Ok(has_grown)
+    }
+
     fn begin(&mut self, backend: &B, h: f32) {
         self.squared_h = h * h;
         let q = &self.motion.q;
         backend.map::<CopyVector>(&self.particles, &(), (backend.view(q),), &mut self.predicted);
         self.history.begin(backend, q);
         self.kinds.iter_mut().for_each(|kind| kind.begin(backend));
+        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
     }
 
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32) {
@@ -210,6 +277,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn remember(&mut self, backend: &B) {
         self.history.remember(backend, &self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.remember(backend));
+        self.contacts.iter_mut().for_each(|contacts| contacts.remember(backend));
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
@@ -217,6 +285,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         let weight = self.watch.extrapolation(weight);
         self.history.extrapolate(backend, &mut self.motion.q, weight);
         self.kinds.iter_mut().for_each(|kind| kind.extrapolate(backend, weight));
+        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, weight));
     }
 
     fn moved(&mut self, backend: &B) -> f32 {
@@ -239,6 +308,9 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn residual(&mut self, backend: &B) -> f64 {
         let nothing = SetVectorUniform { value: Vec4::ZERO };
         backend.map::<SetVector>(&self.particles, &nothing, (), &mut self.gradients);
+        if let Some(contacts) = &mut self.contacts {
+            contacts.add_gradient(backend, 1.0 / self.squared_h, &mut self.gradients);
+        }
         let q = &self.motion.q;
         for kind in &self.kinds {
             kind.add_gradient(backend, &self.particles, q, &mut self.gradients);
@@ -260,11 +332,13 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn save(&mut self, backend: &B) {
         self.history.save(backend, &self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.save(backend));
+        self.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
     }
 
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.restore(backend));
+        self.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
     }
 
     fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
@@ -285,6 +359,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         if k > 0 {
             self.history.follow(backend, self.watch.known(), &mut self.motion.q);
             self.kinds.iter_mut().for_each(|kind| kind.follow(backend, self.watch.known()));
+            self.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
         }
     }
 

@@ -8,6 +8,7 @@ pub(super) struct Sums<B: Backend> {
     /// What is to be added up.
     pub(super) numbers: B::Buffer<f32>,
     sums: B::Buffer<f32>,
+    most: usize,
     /// Sums of sums, and of those.
     folds: [B::Buffer<f32>; 2],
     on_host: Vec<f32>,
@@ -22,11 +23,17 @@ impl<B: Backend> Sums<B> {
         let n_sums: usize = groups.iter().map(|n| n.div_ceil(BLOCK) as usize).sum();
         Self {
             numbers: backend.filled(most, 0.0),
+            most,
             sums: backend.filled(n_sums, 0.0),
             folds: [1, 2].map(|depth| backend.filled(n_sums.div_ceil((BLOCK as usize).pow(depth)), 0.0)),
             on_host: vec![0.0; n_sums],
             n_sums: 0,
         }
+    }
+
+    /// Sets all numbers to 0, for kernels that write some.
+    pub(super) fn clear(&mut self, backend: &B) {
+        self.numbers = backend.filled(self.most, 0.0);
     }
 
     /// Adds up the first `n` numbers.

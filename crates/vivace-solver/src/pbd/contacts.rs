@@ -15,7 +15,7 @@ use crate::history::History;
 use crate::parallel::sum;
 
 /// How much stiffer a contact is than the inertia of its particles: α̃ = Σ w a² over this.
-const STIFFNESS: f32 = 100.0;
+pub(crate) const STIFFNESS: f32 = 100.0;
 /// Contacts that one thread projects before another may take over.
 const GRAIN: usize = 256;
 

@@ -23,6 +23,7 @@ use crate::host::Solve;
 use crate::parallel::sum;
 use crate::{Preconditioner, SolverError, Stages};
 use contacts::Contacts;
+pub(crate) use contacts::STIFFNESS as CONTACT_STIFFNESS;
 use kind::{Kind, Kinds};
 
 /// Where XPBD comes to rest is near the minimum of the objective, not at it, so plain iterations climb a little.

@@ -1,0 +1,780 @@
+//! Collisions on a device: what `vivace-collision` and both frameworks' contacts do on the host, as runs of kernels.
+//!
+//! A surface never changes its triangles, so its two trees of boxes keep their shape: primitives are sorted once, body by body and along a
+//! curve at rest, and each frame fits the boxes anew. Pairs, contacts and colors are born and stay on the device; the host reads how many
+//! there were when a step is reported.
+//!
+//! Contacts come after all other constraints in an iteration, color by color, those with obstacles first, which share no particle: as
+//! constraints of XPBD, in both frameworks. In Projective Dynamics a sweep over the vertices knows nothing of them, and they put right what
+//! it did. So contacts change neither graph nor classes of the vertices; what is colored in each frame is their own graph.
+
+use std::sync::Arc;
+
+use glam::{Vec3, Vec4};
+use vivace_collision::{Detector, Field, Obstacle, Options, Pose, Shape};
+use vivace_kernels::collision::{
+    Bound, BoundUniform, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, Contact, ContactDepth,
+    ContactEnergy, ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue,
+    FindValueUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut, KeepThin, LEVELS, Meet, MeetSolid,
+    MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, Renew, RenewUniform, SettleColor,
+    Shorten, ShortenUniform, Solid, SolidShape, SweptBox, SweptBoxUniform, Thin, Touch, TouchUniform,
+};
+use vivace_kernels::coloring::{SetValue, SetValueUniform};
+use vivace_kernels::step::{ExtrapolateUniform, SetVector, SetVectorUniform, Watch};
+use vivace_kernels::{Backend, Params, pcg};
+
+use super::history::History;
+use super::sums::Sums;
+use crate::contacts::{STIFFNESS, SmallStep};
+use crate::error::narrow;
+use crate::pbd;
+use crate::{ContactReport, SolverError};
+
+/// Pairs for which there is room at first, of a vertex or an edge, and in all at most: what every device binds.
+const PAIRS: usize = 32;
+const FEWEST_PAIRS: usize = 1 << 12;
+const MOST_PAIRS: usize = 1 << 23;
+/// Contacts for which there is room, in the same way.
+const CONTACTS: usize = 4;
+const FEWEST_CONTACTS: usize = 1 << 11;
+const MOST_CONTACTS: usize = 1 << 20;
+/// What there is more of where something found no room.
+const GROWTH: usize = 2;
+/// Entries of particles' colors for a contact: four in use by each that is kept, and most are not.
+const ENTRIES: usize = 8;
+/// Rounds of the coloring with a palette of colors, and palettes at most.
+const COLOR_ROUNDS: u32 = 16;
+const MOST_PALETTES: u32 = 4;
+/// Of the thickness, the gap that the guard leaves; of the distance at the start, the gap that is left at most.
+const GAP: f32 = 0.1;
+const GAP_OF_START: f32 = 0.8;
+/// Of the thickness: pairs nearer than that come no nearer at all.
+const FLOOR: f32 = 1e-3;
+/// What each round of the guard asks for less than the one before, so that it accepts what that one left.
+const LESS: f32 = 0.88;
+/// Rounds in which ways are shortened, and after that rounds in which particles that hit stay where they are.
+const SHORTENING_ROUNDS: u32 = 7;
+const STAYING_ROUNDS: u32 = 12;
+
+/// A surface, and what collides with it.
+pub(super) struct Collider<B: Backend> {
+    options: Options,
+    n: u32,
+    trees: Trees,
+    primitives: B::Buffer<[u32; 4]>,
+    boxes: B::Buffer<[Vec4; 2]>,
+    rest: B::Buffer<Vec4>,
+    drift: B::Buffer<Vec4>,
+    no_drift: B::Buffer<Vec4>,
+    all: B::List,
+    /// In which direction a contact holds each particle, if one does.
+    held: B::Buffer<Vec4>,
+    /// The particles of the surface, and 0 for each of them.
+    particles: B::List,
+    is_on_surface: B::Buffer<u32>,
+    pairs: B::Buffer<[u32; 4]>,
+    n_pairs: usize,
+    touching: Set<B>,
+    /// Colors drawn, colors, and what particles know of them.
+    drawn: B::Buffer<u32>,
+    colors: B::Buffer<u32>,
+    entries: B::Buffer<u32>,
+    n_entries: u32,
+    /// How many times [`N_COLORS`] colors there are, and the contacts of each.
+    n_palettes: u32,
+    classes: Vec<B::List>,
+    solids: Vec<Standing<B>>,
+    /// Inverse masses \[1/kg\], and, in Projective Dynamics, one over the diagonal of Y \[m/N\].
+    inverse_masses: B::Buffer<f32>,
+    inverse_diagonal: Option<B::Buffer<f32>>,
+    /// Whether the contacts that were found are those of the small step.
+    is_on: bool,
+    parts: B::Buffer<u32>,
+    no_items: B::Buffer<u32>,
+    counts: Counts<B>,
+    /// Pairs and contacts that found no room, and contacts that got no color, as last reported.
+    lacking: [usize; 3],
+}
+
+/// How many there were, and how many found no room; and turned bits of the largest depth.
+struct Counts<B: Backend> {
+    pairs: B::Buffer<u32>,
+    /// Before others were left out, and after.
+    contacts: B::Buffer<u32>,
+    kept: B::Buffer<u32>,
+    outside: B::Buffer<u32>,
+    uncolored: B::Buffer<u32>,
+    held: B::Buffer<u32>,
+    deepest: B::Buffer<u32>,
+}
+
+/// Contacts, and where they stand.
+struct Set<B: Backend> {
+    /// Those of this frame.
+    list: B::List,
+    all: B::List,
+    n: u32,
+    contacts: B::Buffer<Contact>,
+    lambdas: B::Buffer<Vec4>,
+    history: History<B>,
+}
+
+/// An obstacle on the device.
+struct Standing<B: Backend> {
+    solid: Solid,
+    field: Option<Arc<Field>>,
+    values: B::Buffer<f32>,
+    touching: Set<B>,
+}
+
+/// The shape of both trees.
+struct Trees {
+    meet: MeetUniform,
+    bounds: Vec<BoundUniform>,
+    n_vertices: u32,
+    n_boxes: u32,
+}
+
+impl<B: Backend> Set<B> {
+    fn new(backend: &B, n: u32) -> Self {
+        Self {
+            list: backend.range(0..0),
+            all: backend.range(0..n),
+            n,
+            contacts: backend.upload(&vec![bytemuck::Zeroable::zeroed(); n as usize]),
+            lambdas: backend.filled(n as usize, Vec4::ZERO),
+            history: History::new(backend, n, n),
+        }
+    }
+
+    /// Forgets the multipliers: a time step begins.
+    fn begin(&mut self, backend: &B) {
+        let nothing = SetVectorUniform { value: Vec4::ZERO };
+        backend.map::<SetVector>(&self.all, &nothing, (), &mut self.lambdas);
+        self.history.begin(backend, &self.lambdas);
+    }
+
+    /// Projects those in `list`, which share no particle that moves.
+    fn relax(
+        &mut self,
+        backend: &B,
+        list: &B::List,
+        uniform: &HoldUniform,
+        inverse_masses: &B::Buffer<f32>,
+        q: &mut B::Buffer<Vec4>,
+    ) {
+        let inputs = (backend.view(&self.contacts), backend.view(inverse_masses));
+        backend.scatter::<Hold, 4>(list, uniform, inputs, q, &mut self.lambdas);
+    }
+}
+
+impl<B: Backend> Standing<B> {
+    fn new(backend: &B, n: u32) -> Self {
+        Self {
+            solid: bytemuck::Zeroable::zeroed(),
+            field: None,
+            values: backend.filled(1, 0.0),
+            touching: Set::new(backend, n),
+        }
+    }
+
+    fn is_still(&self) -> bool {
+        self.solid.from == self.solid.to && self.solid.rotations[0] == self.solid.rotations[1]
+    }
+
+    /// Stands where `obstacle` does in a small step.
+    fn stand(&mut self, backend: &B, obstacle: &Obstacle) {
+        self.solid = solid(obstacle);
+        if let Shape::Field(field) = &obstacle.shape
+            && !self.field.as_ref().is_some_and(|last| Arc::ptr_eq(last, field))
+        {
+            self.values = backend.upload(field.values());
+            self.field = Some(field.clone());
+        }
+    }
+}
+
+/// An obstacle as a device reads it.
+fn solid(obstacle: &Obstacle) -> Solid {
+    let Obstacle { shape, from, to, friction } = obstacle;
+    let rotation = |pose: &Pose| Vec4::from_array(pose.rotation.to_array());
+    let (kind, size) = match *shape {
+        Shape::Sphere { radius } => (SolidShape::Sphere, Vec3::X * radius),
+        Shape::Capsule { half_length, radius } => (SolidShape::Capsule, Vec3::new(radius, half_length, 0.0)),
+        Shape::Cuboid { half_extent } => (SolidShape::Cuboid, half_extent),
+        Shape::Field(_) => (SolidShape::Field, Vec3::ZERO),
+        _ => (SolidShape::Plane, Vec3::ZERO),
+    };
+    let field = if let Shape::Field(field) = shape { Some(field) } else { None };
+    let (min, spacing, nodes) = field.map(|field| field.nodes()).unwrap_or_default();
+    Solid {
+        rotations: [rotation(from), rotation(to)],
+        from: from.position,
+        shape: kind as u32,
+        to: to.position,
+        friction: *friction,
+        size,
+        slope: field.map_or(1.0, |field| field.slope()),
+        min,
+        spacing,
+        nodes,
+        slides: 0,
+        distance: 0.0,
+        margin: 0.0,
+        padding: [0; 2],
+    }
+}
+
+impl Trees {
+    fn new(n_triangles: u32, n_edges: u32, n_vertices: u32) -> Self {
+        let mut bounds = Vec::new();
+        let mut n_boxes = n_triangles + n_edges + n_vertices;
+        let mut levels = |leaves: u32, n_leaves: u32| {
+            let (mut first, mut n) = (leaves, n_leaves);
+            let mut levels = [leaves; LEVELS];
+            for level in levels.iter_mut().skip(1) {
+                if n > 1 {
+                    bounds.push(BoundUniform { first: n_boxes, first_child: first, n_children: n });
+                    (first, n) = (n_boxes, n.div_ceil(CHILDREN));
+                    n_boxes += n;
+                }
+                *level = first;
+            }
+            levels
+        };
+        let levels = [levels(0, n_triangles), levels(n_triangles, n_edges)];
+        let meet = MeetUniform { n_triangles, n_edges, padding: [0; 2], levels };
+        Self { meet, bounds, n_vertices, n_boxes }
+    }
+
+    /// The first vertex among the primitives.
+    fn first_vertex(&self) -> u32 {
+        self.meet.n_triangles + self.meet.n_edges
+    }
+}
+
+/// The bodies' numbers, by particle: two particles of a triangle are of one body.
+fn bodies(triangles: &[[u32; 3]], n: usize) -> Vec<usize> {
+    let mut first: Vec<usize> = (0..n).collect();
+    fn root(first: &mut [usize], mut v: usize) -> usize {
+        while first[v] != v {
+            first[v] = first[first[v]];
+            v = first[v];
+        }
+        v
+    }
+    for [a, b, c] in triangles {
+        for v in [b, c] {
+            let (a, v) = (root(&mut first, *a as usize), root(&mut first, *v as usize));
+            first[a.max(v)] = a.min(v);
+        }
+    }
+    (0..n).map(|v| root(&mut first, v)).collect()
+}
+
+/// The order of leaves: body by body, each along a curve on which what is near stays near (Morton 1966).
+fn sorted<const N: usize>(primitives: &[[u32; N]], rest: &[Vec3], bodies: &[usize]) -> Vec<[u32; N]> {
+    let least = rest.iter().fold(Vec3::INFINITY, |least, &v| least.min(v));
+    let greatest = rest.iter().fold(Vec3::NEG_INFINITY, |greatest, &v| greatest.max(v));
+    let scale = 1023.0 / (greatest - least).max_element().max(f32::MIN_POSITIVE);
+    let code = |corners: &[u32; N]| {
+        let center = corners.iter().map(|&v| rest[v as usize] - least).sum::<Vec3>() / N as f32;
+        let cell = (center * scale).as_uvec3();
+        let spread = |x: u32| (0..10).fold(0, |code, bit| code | (x >> bit & 1) << (3 * bit));
+        spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
+    };
+    let mut sorted = primitives.to_vec();
+    sorted.sort_by_cached_key(|corners| (bodies[corners[0] as usize], code(corners)));
+    sorted
+}
+
+impl<B: Backend> Collider<B> {
+    /// For a system whose particles stand at `place`, where they have these inverse masses \[1/kg\].
+    pub(super) fn new(
+        backend: &B,
+        detector: &Detector,
+        place: &[u32],
+        inverse_masses: &[f32],
+    ) -> Result<Self, SolverError> {
+        let (options, rest) = (*detector.options(), detector.rest());
+        // A bit of a particle's number tells pairs of edges.
+        let n = narrow("particles", 2 * place.len())? / 2;
+        let bodies = bodies(detector.triangles(), rest.len());
+        let (mut triangles, mut edges) = (Vec::new(), Vec::new());
+        if options.self_collision {
+            triangles = sorted(detector.triangles(), rest, &bodies);
+            edges = sorted(detector.edges(), rest, &bodies);
+        }
+        let vertices = detector.vertices();
+        narrow("primitives of the surface", 2 * (triangles.len() + edges.len() + vertices.len()))?;
+        let four = |ids: &[u32]| [0, 1, 2, 3].map(|k: usize| place[ids[k.min(ids.len() - 1)] as usize]);
+        let primitives: Vec<[u32; 4]> = triangles
+            .iter()
+            .map(|ids| four(ids))
+            .chain(edges.iter().map(|ids| four(ids)))
+            .chain(vertices.iter().map(|&v| four(&[v])))
+            .collect();
+        #[expect(clippy::cast_possible_truncation, reason = "seen to be narrow")]
+        let [n_triangles, n_edges, n_vertices] =
+            [triangles.len(), edges.len(), vertices.len()].map(|n| n as u32);
+        let trees = Trees::new(n_triangles, n_edges, n_vertices);
+        let mut rest_here = vec![Vec4::ZERO; place.len()];
+        let mut is_on_surface = vec![1; place.len()];
+        place.iter().zip(rest).for_each(|(&at, v)| rest_here[at as usize] = v.extend(0.0));
+        vertices.iter().for_each(|&v| is_on_surface[place[v as usize] as usize] = 0);
+
+        let n_queries = if options.self_collision { edges.len() + vertices.len() } else { 0 };
+        let room = |each: usize, [fewest, most]: [usize; 2]| {
+            if n_queries == 0 { 0 } else { (each * n_queries).clamp(fewest, most) }
+        };
+        let n_pairs = room(PAIRS, [FEWEST_PAIRS, MOST_PAIRS]);
+        let n_contacts = room(CONTACTS, [FEWEST_CONTACTS, MOST_CONTACTS]).min(options.max_contacts);
+        let n_contacts = narrow("contacts", n_contacts)?;
+        let flags = backend.upload(&is_on_surface);
+        let [particles] = backend.group_by(&flags, 1).try_into().unwrap_or_else(|_| unreachable!("one key"));
+        let counts = || backend.filled(2, 0);
+        let mut collider = Self {
+            options,
+            n,
+            primitives: backend.upload(&primitives),
+            boxes: backend.filled(trees.n_boxes as usize, [Vec4::ZERO; 2]),
+            rest: backend.upload(&rest_here),
+            drift: backend.filled(1, Vec4::ZERO),
+            no_drift: backend.filled(1, Vec4::ZERO),
+            all: backend.all(place.len()),
+            held: backend.filled(place.len(), Vec4::ZERO),
+            particles,
+            is_on_surface: flags,
+            pairs: backend.filled(0, [0; 4]),
+            n_pairs: 0,
+            touching: Set::new(backend, 0),
+            drawn: backend.filled(0, NO_COLOR),
+            colors: backend.filled(0, NO_COLOR),
+            entries: backend.filled(0, u32::MAX),
+            n_entries: 0,
+            n_palettes: 1,
+            classes: Vec::new(),
+            solids: Vec::new(),
+            inverse_masses: backend.upload(inverse_masses),
+            inverse_diagonal: None,
+            is_on: false,
+            parts: backend.filled(2 * place.len() + 1, u32::MAX),
+            no_items: backend.filled(0, 0),
+            counts: Counts {
+                pairs: counts(),
+                contacts: counts(),
+                kept: counts(),
+                outside: counts(),
+                uncolored: counts(),
+                held: counts(),
+                deepest: counts(),
+            },
+            lacking: [0; 3],
+            trees,
+        };
+        backend.fetch(&collider.boxes, &mut []).map_err(device)?;
+        collider.make_room(backend, n_pairs, n_contacts)?;
+        Ok(collider)
+    }
+
+    /// Takes memory for so many pairs and contacts; what was found is gone.
+    fn make_room(&mut self, backend: &B, n_pairs: usize, n_contacts: u32) -> Result<(), SolverError> {
+        if self.n_pairs != n_pairs {
+            self.n_pairs = n_pairs;
+            self.pairs = backend.filled(n_pairs, [0; 4]);
+        }
+        if self.touching.n != n_contacts {
+            let n = n_contacts as usize;
+            let n_entries = (ENTRIES * n).next_power_of_two();
+            self.n_entries = narrow("entries", n_entries)?;
+            self.classes.clear();
+            self.touching = Set::new(backend, n_contacts);
+            self.drawn = backend.filled(n, NO_COLOR);
+            self.colors = backend.filled(n, NO_COLOR);
+            self.entries = backend.filled(n_entries, u32::MAX);
+        }
+        let check = || -> Result<(), B::Error> {
+            backend.fetch(&self.pairs, &mut [])?;
+            backend.fetch(&self.touching.contacts, &mut [])?;
+            backend.fetch(&self.touching.lambdas, &mut [])?;
+            backend.fetch(&self.entries, &mut [])
+        };
+        check().map_err(device)
+    }
+
+    /// Makes room for what found none, as far as there may be any; whether there is more than before.
+    pub(super) fn grow(&mut self, backend: &B) -> Result<bool, SolverError> {
+        let [pairs, contacts, uncolored] = self.lacking;
+        let more = |now: usize, lacking: usize, most: usize| {
+            if lacking == 0 { now } else { (GROWTH * (now + lacking)).min(most).max(now) }
+        };
+        let n_pairs = more(self.n_pairs, pairs, MOST_PAIRS);
+        let most = MOST_CONTACTS.min(self.options.max_contacts);
+        let n_contacts = narrow("contacts", more(self.touching.n as usize, contacts, most))?;
+        let has_room = n_pairs > self.n_pairs || n_contacts > self.touching.n;
+        if has_room {
+            self.make_room(backend, n_pairs, n_contacts)?;
+        }
+        let has_colors = uncolored > 0 && self.n_palettes < MOST_PALETTES;
+        self.n_palettes += u32::from(has_colors);
+        Ok(has_room || has_colors)
+    }
+
+    /// Takes one over the diagonal of Y \[m/N\], of the particles that are free, which come first.
+    pub(super) fn set_diagonal(&mut self, backend: &B, inverse_diagonal: &[f32]) {
+        let mut all = inverse_diagonal.to_vec();
+        all.resize(self.n as usize, 0.0);
+        backend.write(self.inverse_diagonal.get_or_insert_with(|| backend.filled(all.len(), 0.0)), &all);
+    }
+
+    /// How many contacts there may be, of each kind: for sums over them.
+    pub(super) fn groups(&self) -> impl Iterator<Item = u32> {
+        self.sets().map(|set| set.n)
+    }
+
+    fn sets(&self) -> impl Iterator<Item = &Set<B>> {
+        self.solids.iter().map(|standing| &standing.touching).chain([&self.touching])
+    }
+
+    fn sets_mut(&mut self) -> impl Iterator<Item = &mut Set<B>> {
+        self.solids.iter_mut().map(|standing| &mut standing.touching).chain([&mut self.touching])
+    }
+
+    /// Begins to count anew.
+    fn clear_counts(&mut self, backend: &B) {
+        let Counts { pairs, contacts, kept, outside, uncolored, held, .. } = &mut self.counts;
+        for counts in [pairs, contacts, kept, outside, uncolored, held] {
+            set(backend, 0..2, 0, counts);
+        }
+    }
+
+    /// Finds the contacts of particles that go from `from` to `to` \[m\]; whether there are other obstacles than before.
+    pub(super) fn detect(
+        &mut self,
+        backend: &B,
+        from: &B::Buffer<Vec4>,
+        to: &B::Buffer<Vec4>,
+        obstacles: &[Obstacle],
+    ) -> Result<bool, SolverError> {
+        obstacles.iter().enumerate().try_for_each(|(k, obstacle)| obstacle.check(k))?;
+        self.clear_counts(backend);
+        self.is_on = false;
+        let is_new = self.solids.len() != obstacles.len();
+        self.solids.truncate(obstacles.len());
+        while self.solids.len() < obstacles.len() {
+            self.solids.push(Standing::new(backend, self.n));
+        }
+        let Options { thickness, margin, .. } = self.options;
+        for (standing, obstacle) in self.solids.iter_mut().zip(obstacles) {
+            standing.stand(backend, obstacle);
+            let Standing { solid, values, touching, .. } = standing;
+            let near = Solid { distance: thickness, margin, ..*solid };
+            let inputs = (backend.view(from), backend.view(to), backend.view(values));
+            let mut others = self.particles.clone();
+            touching.list = backend.select::<MeetSolid>(&mut others, &near, inputs, &mut touching.contacts);
+            let (counts, no_items) = (&mut self.counts.outside, &mut self.no_items);
+            count(backend, &touching.list, 0, &self.is_on_surface, no_items, counts);
+        }
+        if self.trees.meet.n_triangles > 0 {
+            let uniform = DriftUniform { first: self.trees.first_vertex(), n: self.trees.n_vertices };
+            let inputs = (backend.view(&self.primitives), backend.view(from), backend.view(to));
+            backend.map::<Drift>(&backend.range(0..1), &uniform, inputs, &mut self.drift);
+            let pairs = self.meet(backend, from, to, true, thickness + margin);
+            self.touch(backend, &pairs, from, to);
+            if !self.options.every_pair {
+                self.thin(backend, to);
+            }
+            self.color(backend);
+        }
+        Ok(is_new)
+    }
+
+    /// Pairs whose boxes come within `reach` \[m\].
+    fn meet(
+        &mut self,
+        backend: &B,
+        from: &B::Buffer<Vec4>,
+        to: &B::Buffer<Vec4>,
+        drifts: bool,
+        reach: f32,
+    ) -> B::List {
+        let Trees { meet, bounds, n_vertices, .. } = &self.trees;
+        let n_leaves = self.trees.first_vertex() + n_vertices;
+        let drift = if drifts { &self.drift } else { &self.no_drift };
+        let primitives = backend.view(&self.primitives);
+        let inputs = (primitives, backend.view(from), backend.view(to), backend.view(drift));
+        let uniform = SweptBoxUniform { margin: 0.5 * reach };
+        backend.map::<SweptBox>(&backend.range(0..n_leaves), &uniform, inputs, &mut self.boxes);
+        for bound in bounds {
+            let n = bound.n_children.div_ceil(CHILDREN);
+            let level = backend.range(bound.first..bound.first + n);
+            backend.update::<Bound>(&level, bound, (), &mut self.boxes);
+        }
+        let queries = backend.range(meet.n_triangles..n_leaves);
+        let inputs = (primitives, backend.view(&self.boxes));
+        backend.expand::<Meet>(&queries, meet, inputs, &mut self.pairs, &mut self.counts.pairs)
+    }
+
+    /// Contacts of pairs.
+    fn touch(&mut self, backend: &B, pairs: &B::List, from: &B::Buffer<Vec4>, to: &B::Buffer<Vec4>) {
+        let Options { thickness, margin, friction, every_pair, .. } = self.options;
+        let uniform = TouchUniform { thickness, margin, friction, every_pair: every_pair.into() };
+        let (rest, touching) = (backend.view(&self.rest), &mut self.touching);
+        let inputs = (backend.view(&self.pairs), rest, backend.view(from), backend.view(to));
+        let counts = &mut self.counts.contacts;
+        touching.list = backend.expand::<Touch>(pairs, &uniform, inputs, &mut touching.contacts, counts);
+    }
+
+    /// Leaves out contacts that others imply where particles go `to` \[m\].
+    fn thin(&mut self, backend: &B, to: &B::Buffer<Vec4>) {
+        let Self { touching, held, colors, counts, all, .. } = self;
+        backend.map::<SetVector>(all, &SetVectorUniform { value: Vec4::ZERO }, (), held);
+        let contacts = backend.view(&touching.contacts);
+        let inputs = (contacts, backend.view(to), backend.view(&counts.contacts));
+        backend.scatter::<Thin, 1>(&touching.list, &(), inputs, held, colors);
+        let inputs = (contacts, backend.view(held));
+        touching.list = backend.select::<KeepThin>(&mut touching.list, &(), inputs, colors);
+    }
+
+    /// Colors contacts.
+    fn color(&mut self, backend: &B) {
+        let mask = self.n_entries - 1;
+        set(backend, 0..self.n_entries, u32::MAX, &mut self.entries);
+        let nothing = SetValueUniform { value: NO_COLOR };
+        backend.map::<SetValue>(&self.touching.all, &nothing, (), &mut self.colors);
+        let (counts, no_items) = (&mut self.counts.kept, &mut self.no_items);
+        count(backend, &self.touching.list, NO_COLOR, &self.colors, no_items, counts);
+        let mut left = self.touching.list.clone();
+        // What the last lists hold goes to those that come.
+        self.classes.clear();
+        for palette in 0..self.n_palettes {
+            if palette > 0 {
+                set(backend, 0..self.n_entries, u32::MAX, &mut self.entries);
+                backend.map::<SetValue>(&self.touching.all, &nothing, (), &mut self.colors);
+            }
+            self.color_some(backend, &mut left, mask);
+            self.classes.extend(backend.group_by(&self.colors, N_COLORS));
+        }
+        let (counts, no_items) = (&mut self.counts.uncolored, &mut self.no_items);
+        count(backend, &left, NO_COLOR, &self.colors, no_items, counts);
+    }
+
+    /// Takes those that get a color of a palette out of `left`.
+    fn color_some(&mut self, backend: &B, left: &mut B::List, mask: u32) {
+        let all_entries = backend.range(0..self.n_entries);
+        let Self { touching, drawn, entries, colors, .. } = self;
+        let contacts = &touching.contacts;
+        for round in 0..COLOR_ROUNDS {
+            let key = pcg::key(0, round);
+            let uniform = ClaimUniform { key, mask };
+            let inputs = (backend.view(contacts), backend.view(entries));
+            backend.map::<DrawColor>(left, &uniform, inputs, drawn);
+            let claim = ClaimColorUniform { key, mask, is_settled: 0 };
+            let inputs = (backend.view(contacts), backend.view(drawn));
+            backend.lower::<ClaimColor, 4>(left, &claim, inputs, entries);
+            let inputs = (backend.view(contacts), backend.view(drawn), backend.view(entries));
+            let settled = backend.select::<SettleColor>(left, &uniform, inputs, colors);
+            let claim = ClaimColorUniform { is_settled: 1, ..claim };
+            let inputs = (backend.view(contacts), backend.view(drawn));
+            backend.lower::<ClaimColor, 4>(&settled, &claim, inputs, entries);
+            backend.map::<ReleaseColor>(&all_entries, &(), (), entries);
+        }
+    }
+
+    /// Takes what was found, for a small step from `before` \[m\].
+    pub(super) fn take(&mut self, backend: &B, small: SmallStep, before: &B::Buffer<Vec4>) {
+        self.is_on = true;
+        if small.n > 1 {
+            let share = 1.0 / small.n as f32;
+            // They were found for the end of the step.
+            let on = if small.k == 0 { share - 1.0 } else { share };
+            let uniform = RenewUniform { on, share };
+            self.sets_mut().for_each(|set| {
+                backend.map::<Renew>(&set.list, &uniform, (backend.view(before),), &mut set.contacts);
+            });
+        }
+    }
+
+    /// Forgets the multipliers.
+    pub(super) fn begin(&mut self, backend: &B) {
+        self.sets_mut().for_each(|set| set.begin(backend));
+    }
+
+    /// Projects all contacts.
+    pub(super) fn relax(&mut self, backend: &B, q: &mut B::Buffer<Vec4>) {
+        if !self.is_on {
+            return;
+        }
+        let uniform = HoldUniform { compliance: pbd::CONTACT_STIFFNESS.recip() };
+        let Self { solids, touching, classes, inverse_masses, .. } = self;
+        for Standing { touching, .. } in solids {
+            let list = touching.list.clone();
+            touching.relax(backend, &list, &uniform, inverse_masses, q);
+        }
+        for class in classes {
+            touching.relax(backend, class, &uniform, inverse_masses, q);
+        }
+    }
+
+    pub(super) fn remember(&mut self, backend: &B) {
+        self.sets_mut().for_each(|set| set.history.remember(backend, &set.lambdas));
+    }
+
+    pub(super) fn extrapolate(&mut self, backend: &B, weight: Params<'_, B, ExtrapolateUniform>) {
+        self.sets_mut().for_each(|set| set.history.extrapolate(backend, &mut set.lambdas, weight));
+    }
+
+    pub(super) fn save(&mut self, backend: &B) {
+        self.sets_mut().for_each(|set| set.history.save(backend, &set.lambdas));
+    }
+
+    pub(super) fn restore(&mut self, backend: &B) {
+        self.sets_mut().for_each(|set| set.history.restore(backend, &mut set.lambdas));
+    }
+
+    pub(super) fn follow(&mut self, backend: &B, watch: &B::Buffer<Watch>) {
+        self.sets_mut().for_each(|set| set.history.follow(backend, watch, &mut set.lambdas));
+    }
+
+    /// Adds the energy of all contacts \[J\] in a (small) step of `h` \[s\]: w d²/2, where w is so many times the stiffness of what they hold.
+    /// In Projective Dynamics that is none that is minimized, but tells whether they still are deep.
+    pub(super) fn add_energy(&self, backend: &B, h: f32, q: &B::Buffer<Vec4>, sums: &mut Sums<B>) {
+        let (mobility, stiffness) = match &self.inverse_diagonal {
+            Some(inverse_diagonal) => (inverse_diagonal, STIFFNESS),
+            None => (&self.inverse_masses, pbd::CONTACT_STIFFNESS / (h * h)),
+        };
+        let uniform = ContactEnergyUniform { stiffness };
+        for set in self.sets() {
+            sums.clear(backend);
+            let inputs = (backend.view(&set.contacts), backend.view(mobility), backend.view(q));
+            backend.map::<ContactEnergy>(&set.list, &uniform, inputs, &mut sums.numbers);
+            sums.add(backend, set.n);
+        }
+    }
+
+    /// Takes the forces of all contacts, multipliers times `scale`, from `gradients` \[N\].
+    pub(super) fn add_gradient(&mut self, backend: &B, scale: f32, gradients: &mut B::Buffer<Vec4>) {
+        let uniform = PushUniform { scale: -scale };
+        let mut push = |set: &mut Set<B>, list: &B::List| {
+            let inputs = (backend.view(&set.contacts),);
+            backend.scatter::<Push, 4>(list, &uniform, inputs, gradients, &mut set.lambdas);
+        };
+        let Self { solids, touching, classes, .. } = self;
+        for Standing { touching, .. } in solids {
+            let list = touching.list.clone();
+            push(touching, &list);
+        }
+        classes.iter().for_each(|class| push(touching, class));
+    }
+
+    /// Shortens the ways from `from` to `q` \[m\], taken as straight, so that nothing passes through.
+    pub(super) fn guard(&mut self, backend: &B, from: &B::Buffer<Vec4>, q: &mut B::Buffer<Vec4>) {
+        let (gap, n) = (GAP * self.options.thickness, self.n);
+        for Standing { solid, values, .. } in &self.solids {
+            let near = Solid { distance: gap, slides: 1, ..*solid };
+            let inputs = (backend.view(from), backend.view(values));
+            backend.map::<KeepOut>(&self.particles, &near, inputs, q);
+        }
+        if self.trees.meet.n_triangles > 0 {
+            let pairs = self.meet(backend, from, q, false, gap);
+            set(backend, 0..2 * n + 1, u32::MAX, &mut self.parts);
+            for round in 0..SHORTENING_ROUNDS + STAYING_ROUNDS {
+                self.hit(backend, &pairs, round, from, q);
+                let inputs = (backend.view(&self.parts), backend.view(from));
+                let uniform = ShortenUniform { gives_up: 0, n };
+                let mut others = self.particles.clone();
+                let shortened = backend.select::<Shorten>(&mut others, &uniform, inputs, q);
+                for Standing { solid, values, .. } in self.solids.iter().filter(|one| one.is_still()) {
+                    // Nearer than what slides along the surface comes.
+                    let near = Solid { distance: 0.5 * gap, ..*solid };
+                    let inputs = (backend.view(from), backend.view(values));
+                    backend.map::<KeepOut>(&shortened, &near, inputs, q);
+                }
+                set(backend, 0..n + 1, u32::MAX, &mut self.parts);
+            }
+            self.hit(backend, &pairs, SHORTENING_ROUNDS + STAYING_ROUNDS, from, q);
+            let inputs = (backend.view(&self.parts), backend.view(from));
+            let uniform = ShortenUniform { gives_up: 1, n };
+            backend.select::<Shorten>(&mut backend.all(n as usize), &uniform, inputs, q);
+            let (counts, no_items) = (&mut self.counts.held, &mut self.no_items);
+            count(backend, &backend.range(n + 1..2 * n + 1), 0, &self.parts, no_items, counts);
+        }
+    }
+
+    /// Finds what hits in a round of the guard.
+    fn hit(&mut self, backend: &B, pairs: &B::List, round: u32, from: &B::Buffer<Vec4>, q: &B::Buffer<Vec4>) {
+        let less = LESS.powi(round.min(SHORTENING_ROUNDS).cast_signed());
+        let uniform = HitUniform {
+            gap: GAP * self.options.thickness * less,
+            gap_of_start: GAP_OF_START * less,
+            floor: FLOOR * self.options.thickness,
+            stays: u32::from(round >= SHORTENING_ROUNDS),
+            n: self.n,
+        };
+        let inputs = (backend.view(&self.pairs), backend.view(from), backend.view(q));
+        backend.lower::<Hit, 9>(pairs, &uniform, inputs, &mut self.parts);
+    }
+
+    /// Reads what was counted since the step began, and the depths at `q` \[m\].
+    pub(super) fn report(
+        &mut self,
+        backend: &B,
+        q: &B::Buffer<Vec4>,
+        sums: &mut Sums<B>,
+    ) -> Result<ContactReport, B::Error> {
+        set(backend, 0..1, u32::MAX, &mut self.counts.deepest);
+        for touching in self.solids.iter().map(|standing| &standing.touching).chain([&self.touching]) {
+            sums.clear(backend);
+            let inputs = (backend.view(&touching.contacts), backend.view(q));
+            backend.map::<ContactDepth>(&touching.list, &(), inputs, &mut sums.numbers);
+            sums.add(backend, touching.n);
+            let depths = (backend.view(&sums.numbers),);
+            backend.lower::<Deepest, 1>(&touching.list, &(), depths, &mut self.counts.deepest);
+        }
+        let read = |counts: &B::Buffer<u32>| -> Result<[usize; 2], B::Error> {
+            let mut read = [0; 2];
+            backend.fetch(counts, &mut read)?;
+            Ok(read.map(|n| n as usize))
+        };
+        let Counts { pairs, contacts, kept, outside, uncolored, held, deepest } = &self.counts;
+        let (no_room, kept) = (read(contacts)?[1], read(kept)?[1]);
+        let (uncolored, outside) = (read(uncolored)?[1], read(outside)?[1]);
+        let mut turned = [0];
+        backend.fetch(deepest, &mut turned)?;
+        let no_pairs = read(pairs)?[1];
+        self.lacking = [no_pairs, no_room, uncolored];
+        let n_contacts = kept - uncolored + outside;
+        #[expect(clippy::cast_possible_truncation, reason = "depths are f32")]
+        let mean_depth = (sums.total(backend)? / n_contacts.max(1) as f64) as f32;
+        Ok(ContactReport {
+            contacts: n_contacts,
+            left_out: no_pairs + no_room + uncolored,
+            held_back: read(held)?[1],
+            deepest: f32::from_bits(!turned[0]),
+            mean_depth,
+            ..ContactReport::default()
+        })
+    }
+}
+
+/// Sets some elements to a value.
+fn set<B: Backend>(backend: &B, range: std::ops::Range<u32>, value: u32, array: &mut B::Buffer<u32>) {
+    backend.map::<SetValue>(&backend.range(range), &SetValueUniform { value }, (), array);
+}
+
+/// Adds to the second of `counts` how many in `list` have a value.
+fn count<B: Backend>(
+    backend: &B,
+    list: &B::List,
+    value: u32,
+    values: &B::Buffer<u32>,
+    no_items: &mut B::Buffer<u32>,
+    counts: &mut B::Buffer<u32>,
+) {
+    let inputs = (backend.view(values),);
+    backend.expand::<FindValue>(list, &FindValueUniform { value }, inputs, no_items, counts);
+}
+
+fn device(error: impl std::error::Error + Send + Sync + 'static) -> SolverError {
+    SolverError::Device(Box::new(error))
+}

@@ -1,0 +1,15 @@
+// Where the items of an expansion go, group by group: how many come before each invocation's in the group, how many in the group, and how
+// many in the groups before.
+
+struct Places {
+    within: array<u32, GROUP>,
+    sum: u32,
+    before: u32,
+}
+
+const NOWHERE = 0xffffffffu;
+
+// A sum that stays below `NOWHERE`.
+fn saturating(a: u32, b: u32) -> u32 {
+    return a + min(b, NOWHERE - 1u - min(a, NOWHERE - 1u));
+}
