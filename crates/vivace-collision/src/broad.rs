@@ -53,6 +53,8 @@ pub(crate) struct Broad {
     boxes: Vec<Aabb>,
     grid: Grid,
     pub(crate) pieces: Vec<Piece>,
+    /// Whether the clusters' boxes are around other ways than those of the last search, which needed none.
+    is_behind: bool,
 }
 
 impl Broad {
@@ -60,19 +62,30 @@ impl Broad {
     pub(crate) fn new(surface: &Surface, rest: &[Vec3]) -> Self {
         let mut pieces = Vec::new();
         pieces.resize_with(N_PIECES, Piece::default);
-        Self { clusters: clusters(surface, rest), boxes: Vec::new(), grid: Grid::default(), pieces }
+        Self {
+            clusters: clusters(surface, rest),
+            boxes: Vec::new(),
+            grid: Grid::default(),
+            pieces,
+            is_behind: false,
+        }
     }
 
     /// Lists in `pieces` all pairs without a common particle that come within `reach` \[m\] of each other on the way from `from` to
     /// `to`, and some that do not; counts them. Only those of `scope`.
     pub(crate) fn find(&mut self, from: &[Vec3], to: &[Vec3], reach: f32, scope: Scope<'_>) -> usize {
+        if let Scope::Since { ends, slack } = scope {
+            for_each(&mut self.clusters, GRAIN, &|_, cluster: &mut Cluster| cluster.stray(to, ends));
+            self.is_behind = !Cluster::stray_apart(&self.clusters, slack);
+            if self.is_behind {
+                return self.n_candidates();
+            }
+        }
+        let is_behind = std::mem::take(&mut self.is_behind);
         for_each(&mut self.clusters, GRAIN, &|_, cluster: &mut Cluster| {
             cluster.is_stale = !matches!(scope, Scope::Changed(changed) if !cluster.has(changed));
-            if cluster.is_stale {
+            if cluster.is_stale || is_behind {
                 cluster.follow(from, to, 0.5 * reach);
-            }
-            if let Scope::Since { ends, .. } = scope {
-                cluster.stray(to, ends);
             }
         });
         let is_wanted = |one: &Cluster, other: &Cluster| match scope {
@@ -117,6 +130,10 @@ impl Broad {
                 });
             }
         });
+        self.n_candidates()
+    }
+
+    fn n_candidates(&self) -> usize {
         self.pieces.iter().map(|piece| piece.points.len() + piece.edges.len()).sum()
     }
 
@@ -148,7 +165,7 @@ mod tests {
         let is_near = |pair: Pair, ids: [u32; 4]| {
             let is_apart = (0..4).all(|k| !ids[..k].contains(&ids[k]));
             let motion = Motion::new(pair, points(from, ids), points(to, ids));
-            let met = motion.first_within(pair, reach.into(), 0.0);
+            let met = motion.first_within(pair, reach.into(), (0.0, pair.nearest(&points(from, ids))));
             // After many steps it gives up, and says so of pairs that are not that near.
             is_apart && met.is_some_and(|(_, nearest)| nearest.distance() <= f64::from(reach))
         };
@@ -234,6 +251,16 @@ mod tests {
             let pairs = listed(&broad.pieces);
             for pair in brute(&surface, &from, &other, near) {
                 prop_assert!(pairs.contains(&pair), "{pair:?}");
+            }
+            // Then a few stay behind: other clusters are as they were.
+            let mut other = other;
+            let changed: Vec<bool> = (0..from.len()).map(|k| k < 3).collect();
+            (0..3).for_each(|k| other[k] = from[k].lerp(other[k], 0.3));
+            broad.find(&from, &other, near, Scope::Changed(&changed));
+            let some = found(&broad.pieces);
+            for pair in brute(&surface, &from, &other, near) {
+                let is_new = pair.1.iter().any(|&v| changed[v as usize]);
+                prop_assert!(!is_new || some.binary_search(&pair).is_ok(), "{pair:?}");
             }
         }
     }

@@ -120,10 +120,13 @@ impl Cluster {
 
     /// How much nearer to each other that may bring this cluster and `other` \[m\]; never less for rounding.
     pub(crate) fn strays(&self, other: &Self) -> f32 {
-        let apart = |one: Aabb, other: Aabb| (one.max - other.min).abs();
-        let most = apart(self.astray, other.astray).max(apart(other.astray, self.astray));
-        let size = |b: Aabb| b.min.abs().max(b.max.abs()).max_element();
-        most.length() * (1.0 + ROUNDING) + ROUNDING * (size(self.astray) + size(other.astray))
+        farthest(self.astray, other.astray)
+    }
+
+    /// Whether that may be `slack` \[m\] or more for any two of `clusters`.
+    pub(crate) fn stray_apart(clusters: &[Self], slack: f32) -> bool {
+        let all = clusters.iter().fold(Aabb::EMPTY, |all, cluster| all.union(cluster.astray));
+        !clusters.is_empty() && farthest(all, all) >= slack
     }
 
     /// Whether one of its particles is one of those.
@@ -229,6 +232,14 @@ impl Group {
         let at = |side: usize| self.0[side].as_array()[k];
         Aabb { min: Vec3::new(at(0), at(1), at(2)), max: Vec3::new(at(3), at(4), at(5)) }
     }
+}
+
+/// How far a point of one box may be from one of the other \[m\]; never less for rounding.
+fn farthest(one: Aabb, other: Aabb) -> f32 {
+    let apart = |one: Aabb, other: Aabb| (one.max - other.min).abs();
+    let size = |b: Aabb| b.min.abs().max(b.max.abs()).max_element();
+    let most = apart(one, other).max(apart(other, one));
+    most.length() * (1.0 + ROUNDING) + ROUNDING * (size(one) + size(other))
 }
 
 /// The lanes whose bits are set.

@@ -138,8 +138,13 @@ fn distance_to_segment(point: Vec3, a: Vec3, b: Vec3) -> f32 {
 
 /// When a pair comes nearer than the gap \[m\].
 fn hit(pair: Pair, ids: [u32; 4], from: &[Vec3], to: &[Vec3], gap: f32, less: f64) -> Option<f32> {
+    // Most pairs are candidates for contacts, and far from a hit.
+    if pair.is_clear(ids, from, to, gap) {
+        return None;
+    }
     let (start, end) = (points(from, ids), points(to, ids));
-    let apart = pair.nearest(&start).distance();
+    let nearest = pair.nearest(&start);
+    let apart = nearest.distance();
     let motion = Motion::new(pair, start, end);
     let gap = less * f64::from(gap).min(GAP_OF_START * apart);
     // What touches at the start has no side to be kept on.
@@ -147,7 +152,7 @@ fn hit(pair: Pair, ids: [u32; 4], from: &[Vec3], to: &[Vec3], gap: f32, less: f6
         return None;
     }
     #[expect(clippy::cast_possible_truncation, reason = "rounded; the next round looks where that leads")]
-    motion.first_within(pair, gap, 0.0).map(|(time, _)| time as f32)
+    motion.first_within(pair, gap, (0.0, nearest)).map(|(time, _)| time as f32)
 }
 
 /// Particles that hit one another in a round, directly or in a chain, and the mean of their ways.

@@ -22,24 +22,28 @@ const UNDERCUT: f64 = 0.1;
 impl Motion {
     /// The ways from `start` to `end`. What all four have in common does not count.
     pub(crate) fn new(pair: Pair, start: [DVec3; 4], end: [DVec3; 4]) -> Self {
-        let mut way = [0, 1, 2, 3].map(|k| end[k] - start[k]);
-        let common = 0.25 * (way[0] + way[1] + way[2] + way[3]);
-        way = way.map(|v| v - common);
+        let [a, b, c, d]: [DVec3; 4] = std::array::from_fn(|k| end[k] - start[k]);
+        let common = 0.25 * (a + b + c + d);
+        let way = [a - common, b - common, c - common, d - common];
         let longest = |ways: &[DVec3]| ways.iter().map(|v| v.length_squared()).fold(0.0, f64::max).sqrt();
         let (one, other) = way.split_at(pair.first_side());
         Self { start, way, speed: longest(one) + longest(other) }
     }
 
     pub(crate) fn at(&self, time: f64) -> [DVec3; 4] {
-        [0, 1, 2, 3].map(|k| self.start[k] + time * self.way[k])
+        std::array::from_fn(|k| self.start[k] + time * self.way[k])
     }
 
-    /// The first time, found in steps, at which the distance is `reach` \[m\] or less, from time `from` on; not less than 0.9
-    /// `reach`, if it was not before. `None` if it stays larger until time 1.
-    pub(crate) fn first_within(&self, pair: Pair, reach: f64, from: f64) -> Option<(f64, Nearest)> {
-        let mut time = from;
+    /// The first time, found in steps, at which the distance is `reach` \[m\] or less, from a time on with the nearest points then; not
+    /// less than 0.9 `reach`, if it was not before. `None` if it stays larger until time 1.
+    pub(crate) fn first_within(
+        &self,
+        pair: Pair,
+        reach: f64,
+        from: (f64, Nearest),
+    ) -> Option<(f64, Nearest)> {
+        let (mut time, mut nearest) = from;
         for _ in 0..MAX_STEPS {
-            let nearest = pair.nearest(&self.at(time));
             let left = nearest.distance() - reach;
             if left <= 0.0 {
                 return Some((time, nearest));
@@ -56,8 +60,9 @@ impl Motion {
                 return (nearest.distance() <= reach).then_some((1.0, nearest));
             }
             time += step / self.speed;
+            nearest = pair.nearest(&self.at(time));
         }
-        Some((time, pair.nearest(&self.at(time))))
+        Some((time, nearest))
     }
 }
 
@@ -96,7 +101,7 @@ mod tests {
             let reach = part * distance(0.0);
             let n_samples = 4000;
             let sampled = (0..=n_samples).map(|k| f64::from(k) / f64::from(n_samples)).find(|t| distance(*t) <= 0.9 * reach);
-            match motion.first_within(pair, reach, 0.0) {
+            match motion.first_within(pair, reach, (0.0, pair.nearest(&start))) {
                 Some((time, nearest)) => {
                     prop_assert!(sampled.is_none_or(|sampled| time <= sampled + 1e-12), "{time} {sampled:?}");
                     let gave_up = motion.speed > 100.0 * reach;
@@ -120,7 +125,8 @@ mod tests {
     fn a_pair_that_does_not_move_is_looked_at_once() {
         let x = [DVec3::Y, DVec3::ZERO, DVec3::X, DVec3::Z];
         let motion = Motion::new(Pair::PointTriangle, x, x);
-        assert!(motion.first_within(Pair::PointTriangle, 0.5, 0.0).is_none());
-        assert_eq!(motion.first_within(Pair::PointTriangle, 1.0, 0.0).map(|met| met.0), Some(0.0));
+        let start = (0.0, Pair::PointTriangle.nearest(&x));
+        assert!(motion.first_within(Pair::PointTriangle, 0.5, start).is_none());
+        assert_eq!(motion.first_within(Pair::PointTriangle, 1.0, start).map(|met| met.0), Some(0.0));
     }
 }

@@ -22,8 +22,10 @@ pub(crate) struct Frame<'a> {
     pub(crate) to: &'a [Vec3],
 }
 
-pub(crate) fn points(all: &[Vec3], ids: [u32; 4]) -> [DVec3; 4] {
-    ids.map(|v| all[v as usize].as_dvec3())
+#[inline]
+pub(crate) fn points(all: &[Vec3], [a, b, c, d]: [u32; 4]) -> [DVec3; 4] {
+    let at = |v: u32| all[v as usize].as_dvec3();
+    [at(a), at(b), at(c), at(d)]
 }
 
 impl Frame<'_> {
@@ -33,16 +35,16 @@ impl Frame<'_> {
         let mut reach = thickness + margin;
         let (start, end) = (points(self.from, ids), points(self.to, ids));
         let motion = Motion::new(pair, start, end);
-        let mut met = motion.first_within(pair, reach, 0.0)?;
+        let mut met = motion.first_within(pair, reach, (0.0, pair.nearest(&start)))?;
 
         let at_rest = pair.nearest(&points(self.rest, ids)).distance();
         let distance = thickness.min(KEPT_AT_REST * at_rest);
         let near = distance + margin.min(MARGIN_AT_REST * at_rest);
         if near < reach {
             reach = near;
-            met = motion.first_within(pair, reach, met.0)?;
+            met = motion.first_within(pair, reach, met)?;
         }
-        met = motion.first_within(pair, distance, met.0).unwrap_or_else(|| {
+        met = motion.first_within(pair, distance, met).unwrap_or_else(|| {
             let end = pair.nearest(&motion.at(1.0));
             if end.distance() <= reach { (1.0, end) } else { met }
         });

@@ -51,7 +51,7 @@ impl Pair {
     /// The gap between the primitives along an axis that leads from the second to the first \[m\], times the axis' length.
     #[inline]
     pub(crate) fn gap(self, axis: DVec3, x: &[DVec3; 4]) -> f64 {
-        let [a, b, c] = [1, 2, 3].map(|k| axis.dot(x[k] - x[0]));
+        let [a, b, c] = [axis.dot(x[1] - x[0]), axis.dot(x[2] - x[0]), axis.dot(x[3] - x[0])];
         match self {
             Self::PointTriangle => -a.max(b).max(c),
             Self::EdgeEdge => a.min(0.0) - b.max(c),
@@ -63,9 +63,11 @@ impl Pair {
     /// ends are enough. In `f32`, and sure: any axis would do, and dot products are wrong by less than [`DOT_ERROR`] of the longest side.
     #[inline]
     pub(crate) fn is_clear(self, ids: [u32; 4], from: &[Vec3], to: &[Vec3], reach: f32) -> bool {
+        let [x, a, b, c] = ids;
         let sides = |all: &[Vec3]| {
-            let [x, a, b, c] = ids.map(|v| Vec3A::from(all[v as usize]));
-            [a - x, b - x, c - x]
+            let at = |v: u32| Vec3A::from(all[v as usize]);
+            let x = at(x);
+            [at(a) - x, at(b) - x, at(c) - x]
         };
         let ways = [sides(from), sides(to)];
         let longest =

@@ -79,7 +79,8 @@ impl Found<'_> {
     pub(crate) fn renew(&self, k: usize, rest: &mut constraint::Contact) {
         let contact = &self.contacts[k];
         rest.origin = contact.origin - contact.velocity * self.small.left();
-        let at = |positions: &[Vec3]| rest.apply(&contact.particles.map(|p| positions[p as usize]))[0];
+        let [a, b, c, d] = contact.particles.map(|p| p as usize);
+        let at = |q: &[Vec3]| rest.apply(&[q[a], q[b], q[c], q[d]])[0];
         let (start, predicted) = (at(self.before) + contact.velocity * self.small.h, at(self.predicted));
         rest.start = start;
         rest.ahead = rest.slip(predicted).length();

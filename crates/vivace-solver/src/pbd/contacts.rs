@@ -42,14 +42,17 @@ impl Contacts {
             self.rest.iter_mut().zip(&self.places).for_each(|(rest, &k)| found.renew(k, rest));
             return;
         }
-        let softness = |k: usize| {
-            let contact = &found.contacts[k];
+        let softness = |contact: &vivace_collision::Contact| -> f32 {
             let of = |(&p, &a): (&u32, &f32)| q[place(p) as usize].w * a * a;
-            contact.particles.iter().zip(&contact.weights).map(of).sum::<f32>()
+            contact.particles.iter().zip(&contact.weights).map(of).sum()
         };
-        let is_soft = |&k: &usize| softness(k) > 0.0;
-        let all: Vec<usize> = (0..found.contacts.len()).filter(is_soft).collect();
-        let particles = |k: usize| found.contacts[k].particles.map(place);
+        let all = found.contacts.iter().map(softness).enumerate();
+        // Between pinned particles nothing can be done.
+        let all: Vec<(usize, f32)> = all.filter(|&(_, softness)| softness > 0.0).collect();
+        let particles = |k: usize| {
+            let [a, b, c, d] = found.contacts[k].particles;
+            [place(a), place(b), place(c), place(d)]
+        };
         let colors = color(&all, &particles, q, &mut self.taken);
         let n_colors = colors.iter().map(|&color| color as usize + 1).max().unwrap_or(0);
         let classes = vivace_graph::Csr::group_by(n_colors, &colors);
@@ -59,9 +62,9 @@ impl Contacts {
         self.rest.clear();
         self.places.clear();
         for &k in classes.items() {
-            let k = all[k as usize];
+            let (k, softness) = all[k as usize];
             self.particles.push(particles(k));
-            self.rest.push(found.rest(k, STIFFNESS / (softness(k) * found.small.h * found.small.h)));
+            self.rest.push(found.rest(k, STIFFNESS / (softness * found.small.h * found.small.h)));
             self.places.push(k);
         }
         self.lambdas.clear();
@@ -187,18 +190,22 @@ const N_WORDS: usize = 4;
 
 /// A color for each of `all`, by first fit: two that share a free particle differ. Work in proportion to the contacts.
 fn color(
-    all: &[usize],
+    all: &[(usize, f32)],
     particles: &impl Fn(usize) -> [u32; 4],
     q: &[Vec4],
     taken: &mut Vec<[u64; N_WORDS]>,
 ) -> Vec<u32> {
     taken.resize(taken.len().max(q.len()), [0; N_WORDS]);
     let mut beyond = 64 * N_WORDS;
-    let mut color = |&k: &usize| {
-        // Also those of weight 0: where they are shows in the rounding.
-        let particles = particles(k).map(|p| p as usize).into_iter().filter(|&p| q[p].w > 0.0);
-        let used =
-            particles.clone().fold([0; N_WORDS], |used, p| std::array::from_fn(|i| used[i] | taken[p][i]));
+    let mut color = |&(k, _): &(usize, f32)| {
+        // Also those of weight 0: where they are shows in the rounding. An obstacle's is one particle four times.
+        let particles = particles(k);
+        let n = if particles[0] == particles[1] { 1 } else { 4 };
+        let particles = particles[..n].iter().map(|&p| p as usize).filter(|&p| q[p].w > 0.0);
+        let mut used = [0; N_WORDS];
+        for p in particles.clone() {
+            used.iter_mut().zip(&taken[p]).for_each(|(used, taken)| *used |= taken);
+        }
         let color = if let Some(word) = used.iter().position(|&word| word != u64::MAX) {
             let bit = used[word].trailing_ones();
             particles.for_each(|p| taken[p][word] |= 1 << bit);
@@ -211,6 +218,6 @@ fn color(
         u32::try_from(color).unwrap_or(u32::MAX)
     };
     let colors = all.iter().map(&mut color).collect();
-    all.iter().flat_map(|&k| particles(k)).for_each(|p| taken[p as usize] = [0; N_WORDS]);
+    all.iter().flat_map(|&(k, _)| particles(k)).for_each(|p| taken[p as usize] = [0; N_WORDS]);
     colors
 }
