@@ -1,4 +1,4 @@
-//! The solvers of `vivace-solver`, measured in one run, as ratios to a plain Gauss-Seidel sweep ([`Plain`], PLAIN in tables); and
+//! The solvers of `vivace-solver`, measured in one run, as ratios to a plain Gauss-Seidel sweep (PLAIN in tables); and
 //! the bars that the project holds itself to.
 //!
 //! Workload A is a hanging cloth of springs and hinges, B a bar of tetrahedra (`scenes.rs`). All that is compared took turns. With

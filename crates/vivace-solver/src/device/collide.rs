@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 use vivace_collision::{Detector, Field, Obstacle, Options, Pose, Shape};
+use vivace_graph::DisjointSets;
 use vivace_kernels::collision::{
     Bound, BoundUniform, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, Contact, ContactDepth,
     ContactEnergy, ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue,
@@ -254,26 +255,17 @@ impl Trees {
 }
 
 /// The bodies' numbers, by particle: two particles of a triangle are of one body.
-fn bodies(triangles: &[[u32; 3]], n: usize) -> Vec<usize> {
-    let mut first: Vec<usize> = (0..n).collect();
-    fn root(first: &mut [usize], mut v: usize) -> usize {
-        while first[v] != v {
-            first[v] = first[first[v]];
-            v = first[v];
-        }
-        v
+fn bodies(triangles: &[[u32; 3]], n: u32) -> Vec<u32> {
+    let mut sets = DisjointSets::new(n);
+    for &[a, b, c] in triangles {
+        sets.unite(a, b);
+        sets.unite(a, c);
     }
-    for [a, b, c] in triangles {
-        for v in [b, c] {
-            let (a, v) = (root(&mut first, *a as usize), root(&mut first, *v as usize));
-            first[a.max(v)] = a.min(v);
-        }
-    }
-    (0..n).map(|v| root(&mut first, v)).collect()
+    (0..n).map(|v| sets.first(v)).collect()
 }
 
 /// The order of leaves: body by body, each along a curve on which what is near stays near (Morton 1966).
-fn sorted<const N: usize>(primitives: &[[u32; N]], rest: &[Vec3], bodies: &[usize]) -> Vec<[u32; N]> {
+fn sorted<const N: usize>(primitives: &[[u32; N]], rest: &[Vec3], bodies: &[u32]) -> Vec<[u32; N]> {
     let least = rest.iter().fold(Vec3::INFINITY, |least, &v| least.min(v));
     let greatest = rest.iter().fold(Vec3::NEG_INFINITY, |greatest, &v| greatest.max(v));
     let scale = 1023.0 / (greatest - least).max_element().max(f32::MIN_POSITIVE);
@@ -299,7 +291,7 @@ impl<B: Backend> Collider<B> {
         let (options, rest) = (*detector.options(), detector.rest());
         // A bit of a particle's number tells pairs of edges.
         let n = narrow("particles", 2 * place.len())? / 2;
-        let bodies = bodies(detector.triangles(), rest.len());
+        let bodies = bodies(detector.triangles(), n);
         let (mut triangles, mut edges) = (Vec::new(), Vec::new());
         if options.self_collision {
             triangles = sorted(detector.triangles(), rest, &bodies);
