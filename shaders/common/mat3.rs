@@ -3,7 +3,7 @@
 //! [`svd`] is a one-sided Jacobi iteration (Hestenes 1958): it works on F itself and not on FᵀF, so that small singular values
 //! keep their digits. [`rotation`] is the scaled Newton iteration for the polar factor (Higham 1986), a fixed number of steps
 //! without a branch, on a matrix of the same rotation that is neither flat nor inverted, as long as F has one nearest rotation; what
-//! that does not settle goes to [`svd`]. [`eight_at_a_time`] runs such a function over many matrices.
+//! that does not settle goes to [`svd`]. `eight_at_a_time` runs such a function over many matrices.
 
 use glam::{Mat3, Vec3};
 
