@@ -38,7 +38,7 @@ impl Form {
             Self::Scatter => &[RUN, OVER, include_str!("form/scatter.wgsl")],
             Self::ScatterInOrder => &[RUN, OVER, include_str!("form/scatter_in_order.wgsl")],
             Self::Select => &[RUN, DECISIONS, OVER, include_str!("form/select.wgsl")],
-            Self::Expand => &[RUN, PLACES, OVER, include_str!("form/expand.wgsl")],
+            Self::Expand => &[RUN, PREFIX, PLACES, OVER, include_str!("form/expand.wgsl")],
             Self::CountDown => &[RUN, OVER, include_str!("form/count_down.wgsl")],
             Self::Lower => &[RUN, OVER, include_str!("form/lower.wgsl")],
         }
@@ -210,7 +210,7 @@ impl ListShader {
             Self::All => &[RUN, include_str!("device/all.wgsl")],
             Self::Scan => &[RUN, DECISIONS, PREFIX, include_str!("device/scan.wgsl")],
             Self::Split => &[RUN, DECISIONS, include_str!("device/split.wgsl")],
-            Self::Place => &[RUN, PLACES, include_str!("device/place.wgsl")],
+            Self::Place => &[RUN, PREFIX, PLACES, include_str!("device/place.wgsl")],
             Self::Number => &[RUN, include_str!("device/number.wgsl")],
             Self::CountKeys => &[RUN, include_str!("device/count_keys.wgsl")],
             Self::ScanKeys => &[RUN, PREFIX, include_str!("device/scan_keys.wgsl")],

@@ -6,8 +6,6 @@
 @group(0) @binding(2) var<uniform> run: Run;
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
 
-var<workgroup> sums: array<u32, GROUP>;
-
 @compute @workgroup_size(GROUP)
 fn main(@builtin(local_invocation_index) lane: u32) {
     var len = run.len;
@@ -22,21 +20,7 @@ fn main(@builtin(local_invocation_index) lane: u32) {
     for (var g = first; g < end; g++) {
         sum = saturating(sum, places[g].sum);
     }
-    sums[lane] = sum;
-    workgroupBarrier();
-    for (var step = 1u; step < GROUP; step *= 2u) {
-        var left = 0u;
-        if lane >= step {
-            left = sums[lane - step];
-        }
-        workgroupBarrier();
-        sums[lane] = saturating(sums[lane], left);
-        workgroupBarrier();
-    }
-    var before = 0u;
-    if lane > 0u {
-        before = sums[lane - 1u];
-    }
+    var before = sum_before(lane, sum);
     for (var g = first; g < end; g++) {
         places[g].before = before;
         before = saturating(before, places[g].sum);

@@ -6,10 +6,3 @@ struct Places {
     sum: u32,
     before: u32,
 }
-
-const NOWHERE = 0xffffffffu;
-
-// A sum that stays below `NOWHERE`.
-fn saturating(a: u32, b: u32) -> u32 {
-    return a + min(b, NOWHERE - 1u - min(a, NOWHERE - 1u));
-}

@@ -1,6 +1,12 @@
-// Prefix sums over the invocations of a group.
+// Prefix sums over the invocations of a group. Sums stay below `NOWHERE`.
+
+const NOWHERE = 0xffffffffu;
 
 var<workgroup> sums: array<u32, GROUP>;
+
+fn saturating(a: u32, b: u32) -> u32 {
+    return a + min(b, NOWHERE - 1u - min(a, NOWHERE - 1u));
+}
 
 // The sum over the invocations before this one, all of which call it; `sums` holds what is summed up to each, itself included.
 fn sum_before(lane: u32, own: u32) -> u32 {
@@ -12,8 +18,12 @@ fn sum_before(lane: u32, own: u32) -> u32 {
             left = sums[lane - step];
         }
         workgroupBarrier();
-        sums[lane] += left;
+        sums[lane] = saturating(sums[lane], left);
         workgroupBarrier();
     }
-    return sums[lane] - own;
+    // Not what is left of its own: a sum may have stopped.
+    if lane == 0u {
+        return 0u;
+    }
+    return sums[lane - 1u];
 }

@@ -2,7 +2,6 @@
 
 @group(0) @binding(4) var<storage, read_write> places: array<Places>;
 
-var<workgroup> sums: array<u32, GROUP>;
 var<private> n_found: u32;
 var<private> first: u32;
 
@@ -27,20 +26,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if run.value != 0u {
         return;
     }
-    sums[lane] = n_found;
-    workgroupBarrier();
-    for (var step = 1u; step < GROUP; step *= 2u) {
-        var left = 0u;
-        if lane >= step {
-            left = sums[lane - step];
-        }
-        workgroupBarrier();
-        sums[lane] = saturating(sums[lane], left);
-        workgroupBarrier();
-    }
+    let before = sum_before(lane, n_found);
     // The grid is whole rows of groups, the last of them beyond the list.
     if g * GROUP < n {
-        places[g].within[lane] = sums[lane] - n_found;
+        places[g].within[lane] = before;
         if lane == GROUP - 1u {
             places[g].sum = sums[lane];
         }

@@ -24,6 +24,7 @@ use vivace_kernels::coloring::{SetValue, SetValueUniform};
 use vivace_kernels::step::{ExtrapolateUniform, SetVector, SetVectorUniform, Watch};
 use vivace_kernels::{Backend, Params, pcg};
 
+use super::failure;
 use super::history::History;
 use super::sums::Sums;
 use crate::contacts::{STIFFNESS, SmallStep};
@@ -364,7 +365,7 @@ impl<B: Backend> Collider<B> {
             lacking: [0; 3],
             trees,
         };
-        backend.fetch(&collider.boxes, &mut []).map_err(device)?;
+        backend.fetch(&collider.boxes, &mut []).map_err(failure)?;
         collider.make_room(backend, n_pairs, n_contacts)?;
         Ok(collider)
     }
@@ -391,7 +392,7 @@ impl<B: Backend> Collider<B> {
             backend.fetch(&self.touching.lambdas, &mut [])?;
             backend.fetch(&self.entries, &mut [])
         };
-        check().map_err(device)
+        check().map_err(failure)
     }
 
     /// Makes room for what found none, as far as there may be any; whether there is more than before.
@@ -765,8 +766,4 @@ fn count<B: Backend>(
 ) {
     let inputs = (backend.view(values),);
     backend.expand::<FindValue>(list, &FindValueUniform { value }, inputs, no_items, counts);
-}
-
-fn device(error: impl std::error::Error + Send + Sync + 'static) -> SolverError {
-    SolverError::Device(Box::new(error))
 }

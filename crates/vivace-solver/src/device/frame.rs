@@ -1,7 +1,7 @@
 //! The stages of Projective Dynamics as runs of kernels: see `pd/mod.rs`, of which this is the twin.
 
 use glam::{Vec3, Vec3A, Vec4};
-use vivace_collision::{Detector, Obstacle};
+use vivace_collision::Detector;
 use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::pd::{
@@ -11,7 +11,6 @@ use vivace_kernels::pd::{
 use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SquaredDistance, SquaredLength};
 use vivace_model::{Forces, Model, State};
 
-use super::Solve;
 use super::collide::Collider;
 use super::conjugate_gradient::ConjugateGradient;
 use super::history::History;
@@ -21,15 +20,15 @@ use super::recolor::Recolor;
 use super::rows::DeviceRows;
 use super::sums::Sums;
 use super::watch::Watch;
-use crate::contacts::SmallStep;
+use super::{Solve, failure};
 use crate::error::narrow;
 use crate::pd::layout::Layout;
 use crate::pd::rows::Rows;
 use crate::pd::{attachments, masses, weigh};
 use crate::stages::TOLERATED_RISE;
 use crate::{
-    Base, ContactReport, Ease, Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverError,
-    StepReport, VertexSolve,
+    Base, Ease, Framework, LocalStep, Preconditioner, Relaxation, Solver, SolverError, StepReport,
+    VertexSolve,
 };
 
 /// How a particle is relaxed.
@@ -76,7 +75,6 @@ pub(super) struct Frame<B: Backend> {
     /// Numbers that are added up together.
     groups: Vec<u32>,
     sums: Sums<B>,
-    contacts: Option<Collider<B>>,
     watch: Watch<B, Omega>,
     conjugate_gradient: Option<ConjugateGradient<B>>,
     /// What the device could not do in this frame.
@@ -141,7 +139,6 @@ impl<B: Backend + 'static> Frame<B> {
             latest: vectors(has_previous_in_place),
             sums: Sums::new(backend, &groups),
             groups,
-            contacts: None,
             watch: Watch::new(backend),
             conjugate_gradient: is_linear_solver.then(|| ConjugateGradient::new(backend, n, n_free)),
             failed: None,
@@ -154,10 +151,9 @@ impl<B: Backend + 'static> Frame<B> {
 
     /// Whether the device holds the larger arrays.
     fn check(&self, backend: &B) -> Result<(), SolverError> {
-        let device = |error: B::Error| SolverError::Device(Box::new(error));
-        backend.fetch(&self.rows.springs, &mut []).map_err(device)?;
-        backend.fetch(&self.rows.taps, &mut []).map_err(device)?;
-        backend.fetch(&self.motion.q, &mut []).map_err(device)
+        backend.fetch(&self.rows.springs, &mut []).map_err(failure)?;
+        backend.fetch(&self.rows.taps, &mut []).map_err(failure)?;
+        backend.fetch(&self.motion.q, &mut []).map_err(failure)
     }
 
     /// What attachments add to the anchors \[m\], and the share of the prediction in them.
@@ -229,7 +225,7 @@ impl<B: Backend + 'static> Frame<B> {
             pass.energies(backend, q, &mut self.sums.numbers);
             self.sums.add(backend, pass.len());
         }
-        if let Some(contacts) = &self.contacts {
+        if let Some(contacts) = &self.motion.contacts {
             contacts.add_energy(backend, self.h, q, &mut self.sums);
         }
     }
@@ -237,16 +233,9 @@ impl<B: Backend + 'static> Frame<B> {
     /// What was added up; not a number where the device fails, which is a rise to the safeguard.
     fn total(&mut self, backend: &B) -> f64 {
         self.sums.total(backend).unwrap_or_else(|error| {
-            self.failed = Some(SolverError::Device(Box::new(error)));
+            self.failed = Some(failure(error));
             f64::NAN
         })
-    }
-
-    /// Makes room for what is added up.
-    fn fit_sums(&mut self, backend: &B) {
-        let groups = self.groups.iter().copied();
-        let all: Vec<u32> = groups.chain(self.contacts.iter().flat_map(Collider::groups)).collect();
-        self.sums = Sums::new(backend, &all);
     }
 
     fn mean_root(&mut self, backend: &B) -> f64 {
@@ -317,7 +306,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
             backend.write(&mut self.anchors, &anchors);
             self.h = h;
             self.are_targets_new = true;
-            if let Some(contacts) = &mut self.contacts {
+            if let Some(contacts) = &mut self.motion.contacts {
                 contacts.set_diagonal(backend, &self.inverse_diagonal);
             }
         }
@@ -342,58 +331,33 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     }
 
     fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError> {
-        let of = |detector| Collider::new(backend, detector, &self.layout.place, &self.motion.inverse_masses);
-        self.contacts = detector.map(of).transpose()?;
+        self.motion.set_collisions(backend, &self.layout, detector)?;
         // Contacts have to be told the diagonal.
         self.h = 0.0;
         self.fit_sums(backend);
         Ok(())
     }
 
-    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
-        let Some(contacts) = &mut self.contacts else { return Ok(()) };
-        self.motion.start_step(backend);
-        if contacts.detect(backend, &self.motion.before, &self.motion.q, obstacles)? {
-            self.fit_sums(backend);
-        }
-        Ok(())
+    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>) {
+        (&mut self.motion, &mut self.sums)
     }
 
-    fn take_contacts(&mut self, backend: &B, small: SmallStep) {
-        if let Some(contacts) = &mut self.contacts {
-            contacts.take(backend, small, &self.motion.before);
-        }
+    fn fit_sums(&mut self, backend: &B) {
+        let groups = self.groups.iter().copied();
+        let all: Vec<u32> = groups.chain(self.motion.contacts.iter().flat_map(Collider::groups)).collect();
+        self.sums = Sums::new(backend, &all);
     }
 
     /// As on the host in small steps: an iteration ends with its contacts, whatever its sweeps have done.
     fn touch(&mut self, backend: &B) {
-        if let Some(contacts) = &mut self.contacts {
-            contacts.relax(backend, &mut self.motion.q);
-        }
-    }
-
-    fn guard(&mut self, backend: &B, forces: &Forces, h: f32) {
-        if let Some(contacts) = &mut self.contacts {
-            self.motion.guard(backend, forces, h, |start, q| contacts.guard(backend, start, q));
-        }
-    }
-
-    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
-        let Some(contacts) = &mut self.contacts else { return Ok(false) };
-        let found = contacts.report(backend, &self.motion.q, &mut self.sums);
-        *report = found.map_err(|error| SolverError::Device(Box::new(error)))?;
-        let has_grown = contacts.grow(backend)?;
-        if has_grown {
-            self.fit_sums(backend);
-        }
-        Ok(has_grown)
+        self.motion.relax_contacts(backend);
     }
 
     /// Makes anchors of what was predicted.
     fn begin(&mut self, backend: &B, _: f32) {
         let inputs = (backend.view(&self.motion.q), backend.view(&self.holds));
         backend.map::<Anchor>(&self.free, &(), inputs, &mut self.anchors);
-        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
+        self.motion.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
         // All other relaxations remember before they extrapolate.
         if self.has_previous_in_place {
             self.history.begin(backend, &self.motion.q);
@@ -483,7 +447,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         let mut first = [Vec4::ZERO];
         let n = first.len().min(self.n_free as usize);
         if let Err(error) = backend.fetch(&self.residuals, &mut first[..n]) {
-            self.failed = Some(SolverError::Device(Box::new(error)));
+            self.failed = Some(failure(error));
         }
     }
 
@@ -519,12 +483,12 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn save(&mut self, backend: &B) {
         self.history.save(backend, &self.motion.q);
-        self.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
+        self.motion.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
     }
 
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
-        self.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
+        self.motion.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
     }
 
     fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
@@ -543,13 +507,13 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.watch.look(backend, &mut self.sums, k, is_last, rise);
         if k > 0 {
             self.history.follow(backend, self.watch.known(), &mut self.motion.q);
-            self.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
+            self.motion.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
         }
     }
 
     fn learn(&mut self, backend: &B, ease: &mut Ease, report: &mut StepReport) {
         if let Err(error) = self.watch.learn(backend, ease, report) {
-            self.failed = Some(SolverError::Device(Box::new(error)));
+            self.failed = Some(failure(error));
         }
     }
 

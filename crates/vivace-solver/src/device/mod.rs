@@ -41,7 +41,9 @@ use crate::{
     ContactReport, Ease, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages, StepReport,
 };
 use frame::Frame;
+use motion::Motion;
 use position_based::PositionBased;
+use sums::Sums;
 
 /// Iterations of a small step, at most, whose weights are laid out ahead. With more the host looks on the way.
 const MOST_UNSEEN: u32 = 10_000;
@@ -50,6 +52,11 @@ const MOST_UNSEEN: u32 = 10_000;
 struct Device<B: Backend> {
     backend: B,
     frame: Box<dyn Solve<B>>,
+}
+
+/// What a device says that has failed.
+fn failure(error: impl std::error::Error + Send + Sync + 'static) -> SolverError {
+    SolverError::Device(Box::new(error))
 }
 
 /// A framework on a device, and what moves there in a frame: what [`Engine`] and [`Stages`] ask, told where it runs.
@@ -77,13 +84,27 @@ trait Solve<B: Backend>: Send {
     fn has_contact_color(&self) -> bool {
         false
     }
-    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError>;
-    fn take_contacts(&mut self, backend: &B, small: SmallStep);
+    /// What moves and collides, and the numbers that are added up of it.
+    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>);
+    /// Makes room for what is added up.
+    fn fit_sums(&mut self, backend: &B);
+    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
+        if self.motion().0.detect(backend, obstacles)? {
+            self.fit_sums(backend);
+        }
+        Ok(())
+    }
     fn relax_contacts(&mut self, _: &B) {}
     fn touch(&mut self, _: &B) {}
-    fn guard(&mut self, backend: &B, forces: &Forces, h: f32);
     /// What contacts did in the step; whether some found no room, and there is more now.
-    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError>;
+    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
+        let (motion, sums) = self.motion();
+        let has_grown = motion.report_contacts(backend, sums, report)?;
+        if has_grown {
+            self.fit_sums(backend);
+        }
+        Ok(has_grown)
+    }
     fn begin(&mut self, backend: &B, h: f32);
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32);
     fn store(&mut self, backend: &B, model: &Model, state: &mut State) -> Result<(), SolverError>;
@@ -272,7 +293,7 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         _: &mut ContactReport,
     ) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        frame.take_contacts(backend, small);
+        frame.motion().0.take_contacts(backend, small);
         Ok(())
     }
 
@@ -284,7 +305,7 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         _: &mut ContactReport,
     ) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        frame.guard(backend, forces, h);
+        frame.motion().0.guard(backend, forces, h);
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! What moves, on a device: lines 1 and 9 of Algorithm 1.
 
 use glam::{Vec3, Vec4};
+use vivace_collision::{Detector, Obstacle};
 use vivace_kernels::Backend;
 use vivace_kernels::collision::{HeldVelocity, HeldVelocityUniform};
 use vivace_kernels::step::{
@@ -9,11 +10,15 @@ use vivace_kernels::step::{
 };
 use vivace_model::{Forces, Model, State, Wind};
 
-use crate::SolverError;
+use super::collide::Collider;
+use super::failure;
+use super::sums::Sums;
+use crate::contacts::SmallStep;
 use crate::host::check_end;
 use crate::pd::layout::Layout;
+use crate::{ContactReport, SolverError};
 
-/// Positions, with the inverse mass \[1/kg\], and velocities.
+/// Positions, with the inverse mass \[1/kg\], and velocities; what they collide with.
 pub(super) struct Motion<B: Backend> {
     all: B::List,
     /// The latest positions \[m\].
@@ -22,6 +27,8 @@ pub(super) struct Motion<B: Backend> {
     pub(super) before: B::Buffer<Vec4>,
     /// Those at the start of the whole step, where contacts were looked for \[m\]. Made when they first are.
     start: Option<B::Buffer<Vec4>>,
+    /// Contacts, if there may be any.
+    pub(super) contacts: Option<Collider<B>>,
     velocities: B::Buffer<Vec4>,
     accelerations: B::Buffer<Vec4>,
     /// What `accelerations` are everywhere, if they are.
@@ -56,6 +63,7 @@ impl<B: Backend> Motion<B> {
             q: zeros(),
             before: zeros(),
             start: None,
+            contacts: None,
             velocities: zeros(),
             accelerations: zeros(),
             gravity: Some(Vec3::ZERO),
@@ -140,27 +148,65 @@ impl<B: Backend> Motion<B> {
         self.is_stored = false;
     }
 
-    /// Remembers where the whole step begins: after its end was predicted, before small steps.
-    pub(super) fn start_step(&mut self, backend: &B) {
-        let Self { start, before, all, inverse_masses, .. } = self;
-        let start = start.get_or_insert_with(|| backend.filled(inverse_masses.len(), Vec4::ZERO));
-        backend.map::<CopyVector>(all, &(), (backend.view(before),), start);
-    }
-
-    /// After all small steps of a step of `h` \[s\]: lets `guard` hold back what passes on its way from the start, to where it has come.
-    pub(super) fn guard(
+    /// Lets it collide, or no more.
+    pub(super) fn set_collisions(
         &mut self,
         backend: &B,
-        forces: &Forces,
-        h: f32,
-        guard: impl FnOnce(&B::Buffer<Vec4>, &mut B::Buffer<Vec4>),
-    ) {
-        let Self { start: Some(start), before, q, all, velocities, .. } = self else { return };
+        layout: &Layout,
+        detector: Option<&Detector>,
+    ) -> Result<(), SolverError> {
+        let of = |detector| Collider::new(backend, detector, &layout.place, &self.inverse_masses);
+        self.contacts = detector.map(of).transpose()?;
+        Ok(())
+    }
+
+    /// Finds the contacts of the whole step, whose end has been predicted; whether there are other obstacles than before.
+    pub(super) fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<bool, SolverError> {
+        let Self { contacts: Some(contacts), start, before, q, all, inverse_masses, .. } = self else {
+            return Ok(false);
+        };
+        let start = start.get_or_insert_with(|| backend.filled(inverse_masses.len(), Vec4::ZERO));
+        backend.map::<CopyVector>(all, &(), (backend.view(before),), start);
+        contacts.detect(backend, before, q, obstacles)
+    }
+
+    /// Takes what was found for a small step.
+    pub(super) fn take_contacts(&mut self, backend: &B, small: SmallStep) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.take(backend, small, &self.before);
+        }
+    }
+
+    /// Projects all contacts.
+    pub(super) fn relax_contacts(&mut self, backend: &B) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.relax(backend, &mut self.q);
+        }
+    }
+
+    /// After all small steps of a step of `h` \[s\]: holds back what passes on its way from the start, to where it has come.
+    pub(super) fn guard(&mut self, backend: &B, forces: &Forces, h: f32) {
+        let Self { contacts: Some(contacts), start: Some(start), before, q, all, velocities, .. } = self
+        else {
+            return;
+        };
         backend.map::<CopyVector>(all, &(), (backend.view(q),), before);
-        guard(start, q);
+        contacts.guard(backend, start, q);
         let inputs = (backend.view(q), backend.view(before), backend.view(start));
         let uniform = HeldVelocityUniform { scale: (-forces.damping * h).exp() / h };
         backend.map::<HeldVelocity>(all, &uniform, inputs, velocities);
+    }
+
+    /// What contacts did in the step; whether some found no room, and there is more now.
+    pub(super) fn report_contacts(
+        &mut self,
+        backend: &B,
+        sums: &mut Sums<B>,
+        report: &mut ContactReport,
+    ) -> Result<bool, SolverError> {
+        let Some(contacts) = &mut self.contacts else { return Ok(false) };
+        *report = contacts.report(backend, &self.q, sums).map_err(failure)?;
+        contacts.grow(backend)
     }
 
     /// Reads back where the frame has ended.
@@ -173,7 +219,7 @@ impl<B: Backend> Motion<B> {
     ) -> Result<(), SolverError> {
         let [q, v] = &mut self.on_host;
         let fetched = backend.fetch(&self.q, q).and_then(|()| backend.fetch(&self.velocities, v));
-        fetched.map_err(|error| SolverError::Device(Box::new(error)))?;
+        fetched.map_err(failure)?;
         for (slot, &particle) in layout.order.iter().enumerate() {
             self.stored.positions[particle as usize] = q[slot].truncate();
             self.stored.velocities[particle as usize] = v[slot].truncate();

@@ -2,7 +2,7 @@
 //! order.
 
 use glam::{Vec3, Vec4};
-use vivace_collision::{Detector, Obstacle};
+use vivace_collision::Detector;
 use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::constraint::Xpbd;
@@ -10,18 +10,17 @@ use vivace_kernels::pbd::{Inertia, Residual, StepUniform};
 use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SetVector, SetVectorUniform, SquaredDistance};
 use vivace_model::{Forces, Model, State};
 
-use super::Solve;
 use super::collide::Collider;
 use super::history::History;
 use super::kind::{Found, Kind, Kinds};
 use super::motion::Motion;
 use super::sums::Sums;
 use super::watch::Watch;
-use crate::contacts::SmallStep;
+use super::{Solve, failure};
 use crate::error::narrow;
 use crate::pbd::TOLERATED_RISE;
 use crate::pd::layout::Layout;
-use crate::{ContactReport, Ease, Relaxation, SolverError, StepReport};
+use crate::{Ease, Relaxation, SolverError, StepReport};
 
 /// A model prepared for Position Based Dynamics on a device, and all that changes in a frame.
 pub(super) struct PositionBased<B: Backend> {
@@ -38,7 +37,6 @@ pub(super) struct PositionBased<B: Backend> {
     /// Numbers that are added up together.
     groups: Vec<u32>,
     sums: Sums<B>,
-    contacts: Option<Collider<B>>,
     watch: Watch<B, Xpbd>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
@@ -64,7 +62,6 @@ impl<B: Backend + 'static> PositionBased<B> {
             gradients: zeros(),
             sums: Sums::new(backend, &groups),
             groups,
-            contacts: None,
             watch: Watch::new(backend),
             failed: None,
             layout,
@@ -97,7 +94,7 @@ impl<B: Backend + 'static> PositionBased<B> {
         for kind in &self.kinds {
             kind.add_energy(backend, &motion.q, sums);
         }
-        if let Some(contacts) = &self.contacts {
+        if let Some(contacts) = &motion.contacts {
             contacts.add_energy(backend, self.squared_h.sqrt(), &motion.q, sums);
         }
     }
@@ -110,22 +107,11 @@ impl<B: Backend + 'static> PositionBased<B> {
         })
     }
 
-    /// Makes room for what is added up.
-    fn fit_sums(&mut self, backend: &B) {
-        let groups = self.groups.iter().copied();
-        let all: Vec<u32> = groups.chain(self.contacts.iter().flat_map(Collider::groups)).collect();
-        self.sums = Sums::new(backend, &all);
-    }
-
     /// The root of the mean of a number of each particle over those that are free.
     fn root_mean(&mut self, backend: &B) -> f64 {
         self.sums.add(backend, self.n);
         (self.total(backend) / self.layout.n_free.max(1) as f64).sqrt()
     }
-}
-
-fn failure(error: impl std::error::Error + Send + Sync + 'static) -> SolverError {
-    SolverError::Device(Box::new(error))
 }
 
 impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
@@ -171,51 +157,27 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError> {
-        let of = |detector| Collider::new(backend, detector, &self.layout.place, &self.motion.inverse_masses);
-        self.contacts = detector.map(of).transpose()?;
+        self.motion.set_collisions(backend, &self.layout, detector)?;
         self.fit_sums(backend);
         Ok(())
     }
 
     fn has_contact_color(&self) -> bool {
-        self.contacts.is_some()
+        self.motion.contacts.is_some()
     }
 
-    fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
-        let Some(contacts) = &mut self.contacts else { return Ok(()) };
-        self.motion.start_step(backend);
-        if contacts.detect(backend, &self.motion.before, &self.motion.q, obstacles)? {
-            self.fit_sums(backend);
-        }
-        Ok(())
+    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>) {
+        (&mut self.motion, &mut self.sums)
     }
 
-    fn take_contacts(&mut self, backend: &B, small: SmallStep) {
-        if let Some(contacts) = &mut self.contacts {
-            contacts.take(backend, small, &self.motion.before);
-        }
+    fn fit_sums(&mut self, backend: &B) {
+        let groups = self.groups.iter().copied();
+        let all: Vec<u32> = groups.chain(self.motion.contacts.iter().flat_map(Collider::groups)).collect();
+        self.sums = Sums::new(backend, &all);
     }
 
     fn relax_contacts(&mut self, backend: &B) {
-        if let Some(contacts) = &mut self.contacts {
-            contacts.relax(backend, &mut self.motion.q);
-        }
-    }
-
-    fn guard(&mut self, backend: &B, forces: &Forces, h: f32) {
-        if let Some(contacts) = &mut self.contacts {
-            self.motion.guard(backend, forces, h, |start, q| contacts.guard(backend, start, q));
-        }
-    }
-
-    fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
-        let Some(contacts) = &mut self.contacts else { return Ok(false) };
-        *report = contacts.report(backend, &self.motion.q, &mut self.sums).map_err(failure)?;
-        let has_grown = contacts.grow(backend)?;
-        if has_grown {
-            self.fit_sums(backend);
-        }
-        Ok(has_grown)
+        self.motion.relax_contacts(backend);
     }
 
     fn begin(&mut self, backend: &B, h: f32) {
@@ -224,7 +186,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         backend.map::<CopyVector>(&self.particles, &(), (backend.view(q),), &mut self.predicted);
         self.history.begin(backend, q);
         self.kinds.iter_mut().for_each(|kind| kind.begin(backend));
-        self.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
+        self.motion.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
     }
 
     fn update_velocities(&mut self, backend: &B, forces: &Forces, h: f32) {
@@ -277,7 +239,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn remember(&mut self, backend: &B) {
         self.history.remember(backend, &self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.remember(backend));
-        self.contacts.iter_mut().for_each(|contacts| contacts.remember(backend));
+        self.motion.contacts.iter_mut().for_each(|contacts| contacts.remember(backend));
     }
 
     fn extrapolate(&mut self, backend: &B, omega: f32) {
@@ -285,7 +247,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         let weight = self.watch.extrapolation(weight);
         self.history.extrapolate(backend, &mut self.motion.q, weight);
         self.kinds.iter_mut().for_each(|kind| kind.extrapolate(backend, weight));
-        self.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, weight));
+        self.motion.contacts.iter_mut().for_each(|contacts| contacts.extrapolate(backend, weight));
     }
 
     fn moved(&mut self, backend: &B) -> f32 {
@@ -308,7 +270,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn residual(&mut self, backend: &B) -> f64 {
         let nothing = SetVectorUniform { value: Vec4::ZERO };
         backend.map::<SetVector>(&self.particles, &nothing, (), &mut self.gradients);
-        if let Some(contacts) = &mut self.contacts {
+        if let Some(contacts) = &mut self.motion.contacts {
             contacts.add_gradient(backend, 1.0 / self.squared_h, &mut self.gradients);
         }
         let q = &self.motion.q;
@@ -332,13 +294,13 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     fn save(&mut self, backend: &B) {
         self.history.save(backend, &self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.save(backend));
-        self.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
+        self.motion.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
     }
 
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
         self.kinds.iter_mut().for_each(|kind| kind.restore(backend));
-        self.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
+        self.motion.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
     }
 
     fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
@@ -359,7 +321,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         if k > 0 {
             self.history.follow(backend, self.watch.known(), &mut self.motion.q);
             self.kinds.iter_mut().for_each(|kind| kind.follow(backend, self.watch.known()));
-            self.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
+            self.motion.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
         }
     }
 
