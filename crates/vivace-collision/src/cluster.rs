@@ -251,3 +251,38 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
         (lane < LANES).then_some(lane)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles far from each other that end elsewhere than they were to: apart by as much as they differ in that, which also is
+    /// whether any two may.
+    #[test]
+    fn what_ends_elsewhere_strays_by_the_difference() {
+        let to: Vec<Vec3> =
+            [0.0, 9.0].iter().flat_map(|&x| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p + x)).collect();
+        let cluster = |first: u32| Cluster {
+            particles: vec![first, first + 1, first + 2],
+            points: Primitives::new(Vec::new(), &[]),
+            edges: Primitives::new(Vec::new(), &[]),
+            triangles: Primitives::new(Vec::new(), &[]),
+            way: Vec3::ZERO,
+            bounds: Aabb::EMPTY,
+            astray: Aabb::EMPTY,
+            is_stale: true,
+        };
+        let mut both = [cluster(0), cluster(3)];
+        let strays = |both: &mut [Cluster; 2], by: [Vec3; 2]| {
+            let ends: Vec<Vec3> = to.iter().enumerate().map(|(k, &p)| p + by[k / 3]).collect();
+            both.iter_mut().for_each(|cluster| cluster.stray(&to, &ends));
+            both[0].strays(&both[1])
+        };
+        let (one, other) = (Vec3::new(0.3, 0.0, 0.4), Vec3::new(0.3, 0.0, -0.1));
+        assert!(strays(&mut both, [one, one]) < 1e-5);
+        assert!(!Cluster::stray_apart(&both, 0.01));
+        let apart = strays(&mut both, [one, other]);
+        assert!((0.5..0.51).contains(&apart), "{apart}");
+        assert!(Cluster::stray_apart(&both, 0.5) && !Cluster::stray_apart(&both, 0.51));
+    }
+}

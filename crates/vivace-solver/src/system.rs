@@ -1,19 +1,19 @@
 //! A model, prepared for a solver.
 
-use std::time::Instant;
+mod stepping;
 
 use glam::{Vec3, Vec4};
 use vivace_coloring::{Vivace, color};
 use vivace_kernels::Backend;
-use vivace_model::{Forces, Model, ModelError, State, Tear, check_time_step};
+use vivace_model::{Model, ModelError, State, Tear};
 
 use crate::collisions::Collisions;
-use crate::contacts::{ContactMemory, SmallStep};
+use crate::contacts::ContactMemory;
 use crate::device::OnDevice;
 use crate::engine::Engine;
 use crate::host::Host;
-use crate::step::{Ease, solve};
-use crate::{Budget, ContactReport, Framework, Relaxation, Solver, SolverError, StepReport};
+use crate::step::Ease;
+use crate::{Framework, Relaxation, Solver, SolverError};
 
 /// A model with everything that does not change from frame to frame: coloring, matrix, scratch. A step allocates nothing after the
 /// first of its size.
@@ -69,12 +69,6 @@ impl<B: Backend> std::fmt::Debug for Resident<'_, B> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Resident").field("place", &self.place.len()).finish_non_exhaustive()
     }
-}
-
-/// What a step that failed has to bring back.
-struct Before {
-    ease: Ease,
-    memory: Option<ContactMemory>,
 }
 
 impl System {
@@ -291,7 +285,7 @@ impl System {
 
     /// Colors the graph anew in every frame, by rounds of Algorithm 2 with another seed each time, or no more: line 2 where the paper has it,
     /// for what its cost is. On a device, in Projective Dynamics; nobody waits for it, so its classes, some of which may be empty
-    /// ([`StepReport::colors`] counts those, too), are as many as any frame may take. Where a coloring does not end within its rounds or its
+    /// ([`StepReport::colors`](crate::StepReport::colors) counts those, too), are as many as any frame may take. Where a coloring does not end within its rounds or its
     /// colors, the frame takes the one that the system was made with. Another solver ends it, and a snapshot does not know of it.
     ///
     /// # Errors
@@ -344,233 +338,6 @@ impl System {
         self.engine.n_passes()
     }
 
-    /// Advances `state` by `h` \[s\]: Algorithm 1, once for each small step. On a device, `state` is written there unless it is the
-    /// one that the last step has left, and read back when the frame is done; a budget of seconds makes the host wait after each
-    /// iteration, a tolerance makes it look. Times are the host's: without such a budget most of a device's stand under `finish`.
-    ///
-    /// # Errors
-    /// A state, force, step or budget that cannot be simulated; a result that is not finite. The state is then as it was.
-    pub fn step(
-        &mut self,
-        state: &mut State,
-        forces: &Forces,
-        h: f32,
-        budget: Budget,
-    ) -> Result<StepReport, SolverError> {
-        let start = Instant::now();
-        self.engine.stages().learn(&mut self.ease, &mut StepReport::default());
-        let before = self.before();
-        check(forces, h, &budget)?;
-        self.load(state)?;
-        let mut report = self.advance_from(start, forces, h, &budget, &before)?;
-        let mut finish_start = Instant::now();
-        // Contacts that found no room are looked for again, with more: until there is as much as there may be.
-        loop {
-            match self.engine.report_contacts(&mut report.contacts) {
-                Ok(false) => break,
-                Ok(true) => {
-                    self.set_ease(before.ease);
-                    self.engine.load(state);
-                    report = self.advance_from(start, forces, h, &budget, &before)?;
-                    finish_start = Instant::now();
-                }
-                Err(error) => return Err(self.undo(error, &before)),
-            }
-        }
-        self.moves.clear();
-        self.engine.stages().learn(&mut self.ease, &mut report);
-        if let Err(error) = self.read(state) {
-            return Err(self.undo(error, &before));
-        }
-        report.times.finish += finish_start.elapsed().as_secs_f64();
-        Ok(report)
-    }
-
-    /// Puts a state where the system runs: for steps whose positions the host need not see, see [`System::advance`].
-    ///
-    /// # Errors
-    /// A state that cannot be simulated.
-    pub fn load(&mut self, state: &State) -> Result<(), SolverError> {
-        state.check(&self.model)?;
-        self.engine.load(state);
-        self.has_state = true;
-        Ok(())
-    }
-
-    /// As [`System::step`], from where the last step, this one or [`System::load`] has left the state to where it stays. On a device nothing
-    /// is read back, but what a tolerance looks at: the safeguard decides there, and [`System::ease`] hears of it with [`System::store`],
-    /// which also tells what went wrong; its report counts no backoffs, has no objective of the safeguard's and knows no contacts. Room
-    /// for contacts is what the last [`System::step`] or [`System::store`] has left.
-    ///
-    /// # Errors
-    /// A force, step or budget that cannot be simulated; there is no state: nothing has changed then. Contacts that cannot be found: another
-    /// state has to be loaded.
-    pub fn advance(&mut self, forces: &Forces, h: f32, budget: Budget) -> Result<StepReport, SolverError> {
-        let (start, before) = (Instant::now(), self.before());
-        check(forces, h, &budget)?;
-        let report = self.advance_from(start, forces, h, &budget, &before)?;
-        self.moves.clear();
-        Ok(report)
-    }
-
-    /// Reads the state where the last step has left it.
-    ///
-    /// # Errors
-    /// There is none; it is not finite, or the device has failed: `state` is as it was, and another has to be loaded.
-    pub fn store(&mut self, state: &mut State) -> Result<(), SolverError> {
-        if !self.has_state {
-            return Err(SolverError::NoState);
-        }
-        let found = self.engine.report_contacts(&mut ContactReport::default());
-        self.has_state = found.is_ok();
-        found?;
-        self.read(state)
-    }
-
-    fn read(&mut self, state: &mut State) -> Result<(), SolverError> {
-        if !std::mem::take(&mut self.has_state) {
-            return Err(SolverError::NoState);
-        }
-        state.check(&self.model)?;
-        self.engine.stages().learn(&mut self.ease, &mut StepReport::default());
-        self.engine.store(&self.model, state)?;
-        self.has_state = true;
-        Ok(())
-    }
-
-    fn advance_from(
-        &mut self,
-        start: Instant,
-        forces: &Forces,
-        h: f32,
-        budget: &Budget,
-        before: &Before,
-    ) -> Result<StepReport, SolverError> {
-        if !self.has_state {
-            return Err(SolverError::NoState);
-        }
-        let n_substeps = self.solver.substeps.min(budget.iterations.unwrap_or(u32::MAX)).max(1);
-        let small_h = h / n_substeps as f32;
-        let mut report = StepReport::default();
-        self.engine.prepare(small_h)?;
-        self.engine.recolor();
-        report.times.setup = start.elapsed().as_secs_f64();
-        if let Err(error) = self.substeps(forces, h, n_substeps, budget, start, &mut report) {
-            return Err(self.undo(error, before));
-        }
-        let finish_start = Instant::now();
-        if self.is_measuring {
-            self.measure(&mut report);
-        }
-        if self.solver.relaxation.is_colored() {
-            report.colors = u32::try_from(self.n_colors()).unwrap_or(u32::MAX);
-        }
-        report.times.finish += finish_start.elapsed().as_secs_f64();
-        Ok(report)
-    }
-
-    /// What a step may change beside the state.
-    fn before(&self) -> Before {
-        Before { ease: self.ease, memory: self.collisions.is_some().then(|| self.engine.memory()) }
-    }
-
-    /// What comes back with `error`. The engine has no state any more.
-    fn undo(&mut self, error: SolverError, before: &Before) -> SolverError {
-        self.set_ease(before.ease);
-        self.has_state = false;
-        let restored = before.memory.as_ref().map_or(Ok(()), |memory| self.engine.set_memory(memory));
-        restored.err().unwrap_or(error)
-    }
-
-    /// Algorithm 1 for each of `n` small steps; contacts are looked for before the first, and held to after the last.
-    fn substeps(
-        &mut self,
-        forces: &Forces,
-        h: f32,
-        n: u32,
-        budget: &Budget,
-        start: Instant,
-        report: &mut StepReport,
-    ) -> Result<(), SolverError> {
-        let predict_start = Instant::now();
-        if self.collisions.is_some() {
-            self.predict(forces, h, [0, 1]);
-        }
-        let detect_start = Instant::now();
-        report.times.predict += (detect_start - predict_start).as_secs_f64();
-        if let Some(collisions) = &mut self.collisions {
-            self.engine.detect(collisions, h, &mut report.contacts)?;
-            report.times.detect += detect_start.elapsed().as_secs_f64();
-        }
-        let small_h = h / n as f32;
-        for k in 0..n {
-            let share = share_of(budget, k, n);
-            let small = SmallStep { k, n, h: small_h };
-            self.substep(forces, small, &share, start, report)?;
-        }
-        if let Some(collisions) = &mut self.collisions {
-            let guard_start = Instant::now();
-            self.engine.guard(collisions, forces, h, &mut report.contacts)?;
-            report.times.guard += guard_start.elapsed().as_secs_f64();
-        }
-        Ok(())
-    }
-
-    /// Line 1, with pinned particles where they are led, after small step k of n.
-    fn predict(&mut self, forces: &Forces, h: f32, [k, n]: [u32; 2]) {
-        self.engine.predict(&self.model, forces, h);
-        self.pins.clear();
-        self.pins.extend(self.moves.iter().map(|way| way.after(k, n)));
-        if !self.pins.is_empty() {
-            self.engine.place(&self.pins);
-        }
-    }
-
-    /// Algorithm 1.
-    fn substep(
-        &mut self,
-        forces: &Forces,
-        small: SmallStep,
-        budget: &Budget,
-        start: Instant,
-        report: &mut StepReport,
-    ) -> Result<(), SolverError> {
-        let predict_start = Instant::now();
-        // That of a step which is one small step has been made for its contacts.
-        if self.collisions.is_none() || small.n > 1 {
-            self.predict(forces, small.h, [small.k, small.n]);
-        }
-        let estimate_start = Instant::now();
-        report.times.predict += (estimate_start - predict_start).as_secs_f64();
-        if self.ease.lacks_rho(self.solver.relaxation, small.h) {
-            self.engine.begin(small.h);
-            self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, small.h);
-            report.times.setup += estimate_start.elapsed().as_secs_f64();
-        }
-        let color_start = Instant::now();
-        if let Some(collisions) = &self.collisions {
-            self.engine.take_contacts(&self.model, collisions, small, &mut report.contacts)?;
-            let seconds = color_start.elapsed().as_secs_f64();
-            // Later small steps have the same contacts, and color none.
-            *(if small.k == 0 { &mut report.times.color } else { &mut report.times.solve }) += seconds;
-        }
-        let solve_start = Instant::now();
-        self.engine.begin(small.h);
-        solve(self.engine.stages(), &self.solver, budget, start, &mut self.ease, report);
-        let finish_start = Instant::now();
-        report.times.solve += (finish_start - solve_start).as_secs_f64();
-        self.engine.update_velocities(forces, small.h);
-        report.times.finish += finish_start.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    /// The last small step, as it was left.
-    fn measure(&mut self, report: &mut StepReport) {
-        let stages = self.engine.stages();
-        report.objective = Some(stages.objective());
-        report.residual = Some(stages.residual());
-    }
-
     /// What [`Relaxation::name`] calls the relaxation, and the framework.
     #[must_use]
     pub fn name(&self) -> String {
@@ -579,47 +346,5 @@ impl System {
             Framework::PositionBased => "xpbd",
         };
         format!("{framework} {}", Relaxation::name(&self.solver.relaxation))
-    }
-}
-
-fn check(forces: &Forces, h: f32, budget: &Budget) -> Result<(), SolverError> {
-    budget.check()?;
-    forces.check()?;
-    Ok(check_time_step(h)?)
-}
-
-/// What small step `k` of `n` may use of a budget: its share of the iterations, and the time until its share has passed.
-fn share_of(budget: &Budget, k: u32, n: u32) -> Budget {
-    let iterations = budget.iterations.map(|all| {
-        let until = |k: u32| u64::from(all) * u64::from(k) / u64::from(n);
-        // At most `all`, which is 32-bit.
-        u32::try_from(until(k + 1) - until(k)).unwrap_or(u32::MAX)
-    });
-    let seconds = budget.seconds.map(|all| all * f64::from(k + 1) / f64::from(n));
-    Budget { iterations, seconds, ..*budget }
-}
-
-#[cfg(test)]
-mod tests {
-    use vivace_model::ModelBuilder;
-
-    use super::*;
-
-    #[test]
-    fn what_is_too_heavy_or_stiff_for_numbers_is_not_pinned_in_silence() {
-        for (mass, stiffness) in [(1e37, 1.0), (1.0, 3e38), (1e-44, 1e-44)] {
-            let mut builder = ModelBuilder::new();
-            builder.particles(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[1.0, 1.0, mass]).unwrap();
-            builder.springs(0, &[[2, 0], [2, 1]], stiffness).unwrap();
-            builder.pin(0).unwrap();
-            builder.pin(1).unwrap();
-            let (model, mut state) = builder.build().unwrap();
-            let before = state.clone();
-            let mut system = System::new(model, Solver::default()).unwrap();
-            let h = if mass < 1.0 { 1.0 } else { 0.01 };
-            let error = system.step(&mut state, &Forces::default(), h, Budget::iterations(5)).unwrap_err();
-            assert!(matches!(error, SolverError::Weight { particle: 2, .. }), "{error}");
-            assert_eq!(state, before);
-        }
     }
 }

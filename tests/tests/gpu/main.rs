@@ -1,6 +1,7 @@
 //! The GPU backend against the CPU's, bit for bit. These tests need an adapter, if a software one, and fail where there is none.
 
 mod cases;
+mod colliding;
 mod collisions;
 mod colorings;
 mod device;

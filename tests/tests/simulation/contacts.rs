@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Quat, Vec3};
 use vivace_collision::{Obstacle, Options, Pose, Shape};
+use vivace_cpu::Cpu;
 use vivace_mesh::{TriMesh, ball, cloth};
 use vivace_model::{Forces, Model, ModelBuilder, State};
 use vivace_solver::{
@@ -44,12 +45,33 @@ pub(crate) fn options(friction: f32) -> Options {
     Options { friction, ..Options::new(0.01) }
 }
 
-fn system(scene: &Scene, solver: Solver, options: Options, obstacles: &[Obstacle]) -> System {
+/// Makes a system: [`on_host`], or [`as_kernels`] over the CPU's backend.
+pub(crate) type Make = fn(&Scene, Solver) -> System;
+
+pub(crate) fn on_host(scene: &Scene, solver: Solver) -> System {
+    System::new(scene.0.clone(), solver).unwrap()
+}
+
+pub(crate) fn as_kernels(scene: &Scene, solver: Solver) -> System {
+    System::on(scene.0.clone(), solver, Cpu::new()).unwrap()
+}
+
+pub(crate) fn colliding(
+    make: Make,
+    scene: &Scene,
+    solver: Solver,
+    options: Options,
+    obstacles: &[Obstacle],
+) -> System {
     let mut collisions = Collisions::new(&scene.0, &scene.1.positions, options).unwrap();
     collisions.obstacles_mut().extend_from_slice(obstacles);
-    let mut system = System::new(scene.0.clone(), solver).unwrap();
+    let mut system = make(scene, solver);
     system.set_collisions(Some(collisions)).unwrap();
     system
+}
+
+fn system(scene: &Scene, solver: Solver, options: Options, obstacles: &[Obstacle]) -> System {
+    colliding(on_host, scene, solver, options, obstacles)
 }
 
 pub(crate) fn sphere(radius: f32, friction: f32) -> Obstacle {
@@ -99,82 +121,89 @@ fn a_cloth_at_rest_on_a_sphere_stays_at_rest() {
     assert_clean(&scene.0, &state, &obstacles, "at rest");
 }
 
+/// One cloth is thrown at another: by which part of itself the momentum of both has changed, and what contacts did.
+pub(crate) fn momentum_lost(make: Make, framework: Framework, friction: f32) -> (f64, ContactReport) {
+    let up = Pose { rotation: Quat::from_rotation_x(0.3), ..Pose::at(Vec3::new(0.05, 0.06, 0.03)) };
+    let (model, mut state) = cloths(9, &[Pose::IDENTITY, up]);
+    let scene = (model.clone(), state.clone());
+    let half = state.velocities.len() / 2;
+    state.velocities[half..].fill(Vec3::new(0.3, -2.0, 0.1));
+    let momentum = |state: &State| moment(&model, state.velocities.iter().map(|v| v.as_dvec3()));
+    let before = momentum(&state);
+    let solver = Solver { framework, ..Solver::default() };
+    let mut system = colliding(make, &scene, solver, options(friction), &[]);
+    let mut seen = ContactReport::default();
+    for _ in 0..20 {
+        let report = system.step(&mut state, &NO_FORCE, H, Budget::iterations(20)).unwrap().contacts;
+        seen.contacts += report.contacts;
+        seen.held_back += report.held_back;
+        seen.left_out += report.left_out;
+    }
+    let off = (momentum(&state) - before).length() / before.length();
+    let of_first = |(k, v): (usize, &Vec3)| if k < half { v.as_dvec3() } else { DVec3::ZERO };
+    let passed = moment(&model, state.velocities.iter().enumerate().map(of_first));
+    println!("{framework:?} {friction}: {off}, {passed} of {before}, {seen:?}");
+    assert!(seen.contacts > 100 && passed.y < 0.2 * before.y, "{framework:?}: nothing collided");
+    assert_clean(&model, &state, &[], "after the collision");
+    (off, seen)
+}
+
 #[test]
 fn colliding_bodies_keep_their_momentum() {
     for framework in frameworks() {
         for friction in [0.0, 0.5] {
-            let up = Pose { rotation: Quat::from_rotation_x(0.3), ..Pose::at(Vec3::new(0.05, 0.06, 0.03)) };
-            let (model, mut state) = cloths(9, &[Pose::IDENTITY, up]);
-            let scene = (model.clone(), state.clone());
-            let half = state.velocities.len() / 2;
-            state.velocities[half..].fill(Vec3::new(0.3, -2.0, 0.1));
-            let momentum = |state: &State| moment(&model, state.velocities.iter().map(|v| v.as_dvec3()));
-            let before = momentum(&state);
-            let solver = Solver { framework, ..Solver::default() };
-            let mut system = system(&scene, solver, options(friction), &[]);
-            let mut seen = ContactReport::default();
-            for _ in 0..20 {
-                let report = system.step(&mut state, &NO_FORCE, H, Budget::iterations(20)).unwrap();
-                seen.contacts += report.contacts.contacts;
-                seen.held_back += report.contacts.held_back;
-            }
-            let off = (momentum(&state) - before).length() / before.length();
-            let passed = moment(
-                &model,
-                state.velocities.iter().enumerate().map(
-                    |(k, v)| {
-                        if k < half { v.as_dvec3() } else { DVec3::ZERO }
-                    },
-                ),
-            );
-            println!("{framework:?} {friction}: {off}, {passed} of {before}, {seen:?}");
-            assert!(seen.contacts > 100 && passed.y < 0.2 * before.y, "{framework:?}: nothing collided");
+            let (off, seen) = momentum_lost(on_host, framework, friction);
             // What the guard holds back of unconverged sweeps it takes from one side alone.
             let is_guarded = framework != Framework::PositionBased && seen.held_back > 0;
             let most = if is_guarded { 0.02 } else { 1e-4 };
             assert!(off < most, "{framework:?}, friction {friction}: {off}");
-            assert_clean(&model, &state, &[], "after the collision");
         }
     }
 }
 
-/// What lies on a cloth that is held at its corners hangs there, and does not fall as if nobody held the two of them.
+/// What lies on a cloth that is held at its corners hangs there, and does not fall as if nobody held the two of them. The cloth alone hangs
+/// 0.03 m low, and so it does in Position Based Dynamics; sweeps of Projective Dynamics have to move both at once, and come there slowly.
 #[test]
 fn what_lies_on_a_held_cloth_is_held() {
     let n = 9;
-    let (held, small) = (Pose::IDENTITY, Pose::at(Vec3::new(0.0, 0.012, 0.0)));
     let flat = cloth::regular(n, n, 0.04).unwrap();
-    for framework in frameworks() {
-        let mut builder = ModelBuilder::new();
-        for (place, size) in [(held, 1.0), (small, 0.75)] {
-            let half = 0.02 * (n - 1) as f32 * Vec3::new(1.0, 0.0, 1.0);
-            let placed = flat.positions().iter().map(|p| size * (*p - half) + place.position).collect();
-            let mesh = TriMesh::new(placed, flat.triangles().to_vec()).unwrap();
-            let first = builder.cloth(&mesh, 0.2).unwrap();
-            builder.springs(first, &mesh.edges(), 100.0).unwrap();
-        }
-        [0, 8, 72, 80].into_iter().for_each(|corner| builder.pin(corner).unwrap());
-        let scene = builder.build().unwrap();
-        let solver = Solver { framework, ..Solver::default() };
-        let mut system = system(&scene, solver, options(0.3), &[]);
+    let half = 0.02 * (n - 1) as f32 * Vec3::new(1.0, 0.0, 1.0);
+    let mut builder = ModelBuilder::new();
+    for (height, size) in [(0.0, 1.0), (0.012, 0.75)] {
+        let placed = flat.positions().iter().map(|p| size * (*p - half) + height * Vec3::Y).collect();
+        let mesh = TriMesh::new(placed, flat.triangles().to_vec()).unwrap();
+        let first = builder.cloth(&mesh, 0.2).unwrap();
+        builder.springs(first, &mesh.edges(), 100.0).unwrap();
+    }
+    [0, 8, 72, 80].into_iter().for_each(|corner| builder.pin(corner).unwrap());
+    let scene = builder.build().unwrap();
+    let sag = |framework: Framework, iterations: u32| {
+        let mut system = system(&scene, Solver { framework, ..Solver::default() }, options(0.3), &[]);
         let mut state = scene.1.clone();
         let forces = Forces { damping: 1.0, ..Forces::default() };
         for _ in 0..60 {
-            system.step(&mut state, &forces, H, Budget::iterations(30)).unwrap();
+            system.step(&mut state, &forces, H, Budget::iterations(iterations)).unwrap();
         }
-        let lowest = state.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
-        println!("{framework:?}: {lowest} m, {} m/s", fastest(&state));
-        // The held cloth alone hangs 0.03 m low. Sweeps over both are far from converged, and stretch it; let go it would be 4 m lower.
-        let most = if framework == Framework::PositionBased { 0.08 } else { 0.45 };
-        assert!((0.02..most).contains(&-lowest), "{framework:?}: {lowest}");
         assert_clean(&scene.0, &state, &[], "in the hammock");
+        let sag = -state.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
+        println!("{framework:?}, {iterations} iterations: {sag} m, {} m/s", fastest(&state));
+        sag
+    };
+    for framework in frameworks() {
+        let (few, many) = (sag(framework, 30), sag(framework, 100));
+        assert!(many > 0.02, "{framework:?}: {many} m");
+        if framework == Framework::PositionBased {
+            assert!(few < 0.08, "{few} m");
+        } else {
+            assert!(many < 0.7 * few, "{framework:?}: {few} m, then {many} m");
+        }
     }
 }
 
 /// A small cloth on a slope of `degrees`, under friction 0.5 = tan 26.6°: how far it is down the slope after a second \[m\].
-fn slid(solver: Solver, iterations: u32, degrees: f32) -> f32 {
+pub(crate) fn slid(make: Make, solver: Solver, iterations: u32, degrees: f32) -> f32 {
     let scene = cloths(4, &[Pose::at(Vec3::new(0.0, 0.0101, 0.0))]);
-    let mut system = system(&scene, solver, options(0.0), &[floor(0.0, 0.5)]);
+    let mut system = colliding(make, &scene, solver, options(0.0), &[floor(0.0, 0.5)]);
     let (mut state, turn) = (scene.1.clone(), degrees.to_radians());
     let gravity = 9.81 * Vec3::new(turn.sin(), -turn.cos(), 0.0);
     let forces = Forces { gravity, ..NO_FORCE };
@@ -191,8 +220,8 @@ fn friction_holds_below_the_cone_and_slides_above_it() {
     let few = (4, Framework::default());
     for (iterations, framework) in frameworks().map(|framework| (40, framework)).into_iter().chain([few]) {
         let solver = Solver { framework, ..Solver::default() };
-        let held = slid(solver, iterations, 24.0);
-        let (angle, free) = (30.0_f32.to_radians(), slid(solver, iterations, 30.0));
+        let held = slid(on_host, solver, iterations, 24.0);
+        let (angle, free) = (30.0_f32.to_radians(), slid(on_host, solver, iterations, 30.0));
         let expected = 0.5 * 9.81 * (angle.sin() - 0.5 * angle.cos());
         let what = format!("{framework:?}, {iterations} iterations");
         println!("{what}: {held} m at 24°, {free} m of {expected} at 30°");
@@ -371,22 +400,24 @@ fn recoloring_is_reported() {
     }
 }
 
+/// A cloth far above the floor falls as one without collisions.
+pub(crate) fn is_as_without_collisions(make: Make, framework: Framework) {
+    let scene = cloths(9, &[Pose::IDENTITY]);
+    let solver = Solver { framework, ..Solver::default() };
+    let mut colliding = colliding(make, &scene, solver, options(0.3), &[floor(-100.0, 0.5)]);
+    let mut alone = make(&scene, solver);
+    let (mut a, mut b) = (scene.1.clone(), scene.1.clone());
+    for _ in 0..5 {
+        let with = colliding.step(&mut a, &Forces::default(), H, Budget::iterations(10)).unwrap();
+        let without = alone.step(&mut b, &Forces::default(), H, Budget::iterations(10)).unwrap();
+        assert_eq!((with.contacts.contacts, without.contacts), (0, ContactReport::default()));
+        assert_eq!(a, b, "{framework:?}");
+    }
+}
+
 #[test]
 fn a_scene_without_contacts_is_as_it_was() {
-    let scene = cloths(9, &[Pose::IDENTITY]);
-    let far = [floor(-100.0, 0.5)];
-    for framework in frameworks() {
-        let solver = Solver { framework, ..Solver::default() };
-        let mut colliding = system(&scene, solver, options(0.3), &far);
-        let mut alone = System::new(scene.0.clone(), solver).unwrap();
-        let (mut a, mut b) = (scene.1.clone(), scene.1.clone());
-        for _ in 0..5 {
-            let with = colliding.step(&mut a, &Forces::default(), H, Budget::iterations(10)).unwrap();
-            let without = alone.step(&mut b, &Forces::default(), H, Budget::iterations(10)).unwrap();
-            assert_eq!((with.contacts.contacts, without.contacts), (0, ContactReport::default()));
-            assert_eq!(a, b, "{framework:?}");
-        }
-    }
+    frameworks().into_iter().for_each(|framework| is_as_without_collisions(on_host, framework));
 }
 
 #[test]

@@ -1,18 +1,19 @@
 //! Collisions as kernels, over the CPU's backend: what a device does, without one. Rest, momentum, friction, and that nothing passes.
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{Quat, Vec3};
 use vivace_collision::{Obstacle, Options, Pose, Shape};
-use vivace_cpu::Cpu;
 use vivace_model::{Forces, State};
 use vivace_solver::{
-    Base, Budget, Collisions, ContactReport, Framework, Preconditioner, Relaxation, Solver, SolverError,
-    System,
+    Base, Budget, ContactReport, Framework, Preconditioner, Relaxation, Solver, SolverError, System,
 };
 use vivace_tests::scenes::{Scene, plain};
 
+use crate::NO_FORCE;
 use crate::common::Random;
-use crate::contacts::{H, assert_clean, cloths, extent, fastest, floor, options, sphere};
-use crate::{NO_FORCE, moment};
+use crate::contacts::{
+    H, as_kernels, assert_clean, cloths, colliding, extent, fastest, floor, is_as_without_collisions,
+    momentum_lost, on_host, options, slid, sphere,
+};
 
 const FRAMEWORKS: [Framework; 3] = [
     Framework::PositionBased,
@@ -23,16 +24,8 @@ const FRAMEWORKS: [Framework; 3] = [
     },
 ];
 
-fn collisions(scene: &Scene, options: Options, obstacles: &[Obstacle]) -> Collisions {
-    let mut collisions = Collisions::new(&scene.0, &scene.1.positions, options).unwrap();
-    collisions.obstacles_mut().extend_from_slice(obstacles);
-    collisions
-}
-
 fn system(scene: &Scene, solver: Solver, options: Options, obstacles: &[Obstacle]) -> System {
-    let mut system = System::on(scene.0.clone(), solver, Cpu::new()).unwrap();
-    system.set_collisions(Some(collisions(scene, options, obstacles))).unwrap();
-    system
+    colliding(as_kernels, scene, solver, options, obstacles)
 }
 
 #[test]
@@ -65,53 +58,17 @@ fn a_cloth_at_rest_on_a_sphere_stays_at_rest() {
 #[test]
 fn projections_keep_the_momentum_of_colliding_bodies() {
     for friction in [0.0, 0.5] {
-        let up = Pose { rotation: Quat::from_rotation_x(0.3), ..Pose::at(Vec3::new(0.05, 0.06, 0.03)) };
-        let (model, mut state) = cloths(9, &[Pose::IDENTITY, up]);
-        let scene = (model.clone(), state.clone());
-        let half = state.velocities.len() / 2;
-        state.velocities[half..].fill(Vec3::new(0.3, -2.0, 0.1));
-        let momentum = |state: &State| moment(&model, state.velocities.iter().map(|v| v.as_dvec3()));
-        let before = momentum(&state);
-        let solver = Solver { framework: Framework::PositionBased, ..Solver::default() };
-        let mut system = system(&scene, solver, options(friction), &[]);
-        let mut seen = ContactReport::default();
-        for _ in 0..20 {
-            let report = system.step(&mut state, &NO_FORCE, H, Budget::iterations(20)).unwrap().contacts;
-            seen.contacts += report.contacts;
-            seen.held_back += report.held_back;
-            seen.left_out += report.left_out;
-        }
-        let off = (momentum(&state) - before).length() / before.length();
-        let passed = (state.velocities.iter().enumerate())
-            .map(|(k, v)| if k < half { v.as_dvec3() } else { DVec3::ZERO });
-        let passed = moment(&model, passed);
-        println!("{friction}: {off}, {passed} of {before}, {seen:?}");
-        assert!(seen.contacts > 100 && passed.y < 0.2 * before.y, "nothing collided: {seen:?}");
+        let (off, seen) = momentum_lost(as_kernels, Framework::PositionBased, friction);
         assert!(off < 1e-4, "friction {friction}: {off}, {seen:?}");
-        assert_clean(&model, &state, &[], "after the collision");
     }
-}
-
-/// A small cloth on a slope of `degrees`, under friction 0.5 = tan 26.6°: how far it is down the slope after a second \[m\].
-fn slid(framework: Framework, degrees: f32) -> f32 {
-    let scene = cloths(4, &[Pose::at(Vec3::new(0.0, 0.0101, 0.0))]);
-    let solver = Solver { framework, ..Solver::default() };
-    let mut system = system(&scene, solver, options(0.0), &[floor(0.0, 0.5)]);
-    let (mut state, turn) = (scene.1.clone(), degrees.to_radians());
-    let gravity = 9.81 * Vec3::new(turn.sin(), -turn.cos(), 0.0);
-    let forces = Forces { gravity, ..NO_FORCE };
-    for _ in 0..60 {
-        system.step(&mut state, &forces, H, Budget::iterations(40)).unwrap();
-    }
-    let mean = |q: &[Vec3]| q.iter().map(|q| q.x).sum::<f32>() / q.len() as f32;
-    mean(&state.positions) - mean(&scene.1.positions)
 }
 
 #[test]
 fn friction_holds_below_the_cone_and_slides_above_it() {
     for framework in FRAMEWORKS {
-        let held = slid(framework, 24.0);
-        let (angle, free) = (30.0_f32.to_radians(), slid(framework, 30.0));
+        let solver = Solver { framework, ..Solver::default() };
+        let held = slid(as_kernels, solver, 40, 24.0);
+        let (angle, free) = (30.0_f32.to_radians(), slid(as_kernels, solver, 40, 30.0));
         let expected = 0.5 * 9.81 * (angle.sin() - 0.5 * angle.cos());
         println!("{framework:?}: {held} m at 24°, {free} m of {expected} at 30°");
         assert!(held.abs() < 0.005, "{framework:?}: slides by {held} m below the cone");
@@ -227,8 +184,7 @@ fn the_host_does_the_same() {
         let obstacles = [turning(0), floor(0.15, 0.5)];
         let options = Options { self_collision: false, ..options(0.3) };
         let mut on_device = system(&scene, solver, options, &obstacles);
-        let mut on_host = System::new(scene.0.clone(), solver).unwrap();
-        on_host.set_collisions(Some(collisions(&scene, options, &obstacles))).unwrap();
+        let mut on_host = colliding(on_host, &scene, solver, options, &obstacles);
         let (mut a, mut b, mut seen, mut n_same) = (scene.1.clone(), scene.1.clone(), 0, 0);
         for frame in 0..20 {
             for system in [&mut on_device, &mut on_host] {
@@ -265,8 +221,7 @@ fn the_host_finds_the_same_contacts() {
     for every_pair in [false, true] {
         let options = Options { every_pair, ..options(0.2) };
         let mut on_device = system(&scene, solver, options, &obstacles);
-        let mut on_host = System::new(scene.0.clone(), solver).unwrap();
-        on_host.set_collisions(Some(collisions(&scene, options, &obstacles))).unwrap();
+        let mut on_host = colliding(on_host, &scene, solver, options, &obstacles);
         let (mut a, mut most) = (scene.1.clone(), 0);
         for frame in 0..30 {
             let mut b = a.clone();
@@ -288,8 +243,7 @@ fn room_grows_and_nothing_is_lost() {
     let scene = cloths(6, &apart);
     let solver = Solver { framework: Framework::PositionBased, ..Solver::default() };
     let mut on_device = system(&scene, solver, options(0.0), &[]);
-    let mut on_host = System::new(scene.0.clone(), solver).unwrap();
-    on_host.set_collisions(Some(collisions(&scene, options(0.0), &[]))).unwrap();
+    let mut on_host = colliding(on_host, &scene, solver, options(0.0), &[]);
     let mut a = scene.1.clone();
     a.positions.iter_mut().zip(0..).for_each(|(q, k)| q.y -= 0.998 * (k / 36) as f32);
     let mut b = a.clone();
@@ -335,19 +289,7 @@ fn threads_do_not_show() {
 
 #[test]
 fn a_scene_without_contacts_is_as_it_was() {
-    let scene = cloths(9, &[Pose::IDENTITY]);
-    for framework in FRAMEWORKS {
-        let solver = Solver { framework, ..Solver::default() };
-        let mut colliding = system(&scene, solver, options(0.3), &[floor(-100.0, 0.5)]);
-        let mut alone = System::on(scene.0.clone(), solver, Cpu::new()).unwrap();
-        let (mut a, mut b) = (scene.1.clone(), scene.1.clone());
-        for _ in 0..5 {
-            let with = colliding.step(&mut a, &Forces::default(), H, Budget::iterations(10)).unwrap();
-            let without = alone.step(&mut b, &Forces::default(), H, Budget::iterations(10)).unwrap();
-            assert_eq!((with.contacts.contacts, without.contacts), (0, ContactReport::default()));
-            assert_eq!(a, b, "{framework:?}");
-        }
-    }
+    FRAMEWORKS.into_iter().for_each(|framework| is_as_without_collisions(as_kernels, framework));
 }
 
 /// Where there is room for few contacts, the report says how many were left out, and the guard still lets nothing pass.

@@ -8,29 +8,30 @@
 //! constraints of XPBD, in both frameworks. In Projective Dynamics a sweep over the vertices knows nothing of them, and they put right what
 //! it did. So contacts change neither graph nor classes of the vertices; what is colored in each frame is their own graph.
 
-use std::sync::Arc;
+mod standing;
+mod trees;
 
-use glam::{Vec3, Vec4};
-use vivace_collision::{Detector, Field, Obstacle, Options, Pose, Shape};
-use vivace_graph::DisjointSets;
+use glam::Vec4;
+use vivace_collision::{Detector, Obstacle, Options};
 use vivace_kernels::collision::{
-    Bound, BoundUniform, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, Contact, ContactDepth,
-    ContactEnergy, ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue,
-    FindValueUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut, KeepThin, LEVELS, Meet, MeetSolid,
-    MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, Renew, RenewUniform, SettleColor,
-    Shorten, ShortenUniform, Solid, SolidShape, SweptBox, SweptBoxUniform, Thin, Touch, TouchUniform,
+    Bound, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, ContactDepth, ContactEnergy,
+    ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue, FindValueUniform, Hit,
+    HitUniform, HoldUniform, KeepOut, KeepThin, Meet, MeetSolid, N_COLORS, NO_COLOR, Push, PushUniform,
+    ReleaseColor, Renew, RenewUniform, SettleColor, Shorten, ShortenUniform, Solid, SweptBox,
+    SweptBoxUniform, Thin, Touch, TouchUniform,
 };
 use vivace_kernels::coloring::{SetValue, SetValueUniform};
 use vivace_kernels::step::{ExtrapolateUniform, SetVector, SetVectorUniform, Watch};
 use vivace_kernels::{Backend, Params, pcg};
 
 use super::failure;
-use super::history::History;
 use super::sums::Sums;
 use crate::contacts::{STIFFNESS, SmallStep};
 use crate::error::narrow;
 use crate::pbd;
 use crate::{ContactReport, SolverError};
+use standing::{Set, Standing};
+use trees::{Trees, bodies, sorted};
 
 /// Pairs for which there is room at first, of a vertex or an edge, and in all at most: what every device binds.
 const PAIRS: usize = 32;
@@ -108,177 +109,6 @@ struct Counts<B: Backend> {
     uncolored: B::Buffer<u32>,
     held: B::Buffer<u32>,
     deepest: B::Buffer<u32>,
-}
-
-/// Contacts, and where they stand.
-struct Set<B: Backend> {
-    /// Those of this frame.
-    list: B::List,
-    all: B::List,
-    n: u32,
-    contacts: B::Buffer<Contact>,
-    lambdas: B::Buffer<Vec4>,
-    history: History<B>,
-}
-
-/// An obstacle on the device.
-struct Standing<B: Backend> {
-    solid: Solid,
-    field: Option<Arc<Field>>,
-    values: B::Buffer<f32>,
-    touching: Set<B>,
-}
-
-/// The shape of both trees.
-struct Trees {
-    meet: MeetUniform,
-    bounds: Vec<BoundUniform>,
-    n_vertices: u32,
-    n_boxes: u32,
-}
-
-impl<B: Backend> Set<B> {
-    fn new(backend: &B, n: u32) -> Self {
-        Self {
-            list: backend.range(0..0),
-            all: backend.range(0..n),
-            n,
-            contacts: backend.upload(&vec![bytemuck::Zeroable::zeroed(); n as usize]),
-            lambdas: backend.filled(n as usize, Vec4::ZERO),
-            history: History::new(backend, n, n),
-        }
-    }
-
-    /// Forgets the multipliers: a time step begins.
-    fn begin(&mut self, backend: &B) {
-        let nothing = SetVectorUniform { value: Vec4::ZERO };
-        backend.map::<SetVector>(&self.all, &nothing, (), &mut self.lambdas);
-        self.history.begin(backend, &self.lambdas);
-    }
-
-    /// Projects those in `list`, which share no particle that moves.
-    fn relax(
-        &mut self,
-        backend: &B,
-        list: &B::List,
-        uniform: &HoldUniform,
-        inverse_masses: &B::Buffer<f32>,
-        q: &mut B::Buffer<Vec4>,
-    ) {
-        let inputs = (backend.view(&self.contacts), backend.view(inverse_masses));
-        backend.scatter::<Hold, 4>(list, uniform, inputs, q, &mut self.lambdas);
-    }
-}
-
-impl<B: Backend> Standing<B> {
-    fn new(backend: &B, n: u32) -> Self {
-        Self {
-            solid: bytemuck::Zeroable::zeroed(),
-            field: None,
-            values: backend.filled(1, 0.0),
-            touching: Set::new(backend, n),
-        }
-    }
-
-    fn is_still(&self) -> bool {
-        self.solid.from == self.solid.to && self.solid.rotations[0] == self.solid.rotations[1]
-    }
-
-    /// Stands where `obstacle` does in a small step.
-    fn stand(&mut self, backend: &B, obstacle: &Obstacle) {
-        self.solid = solid(obstacle);
-        if let Shape::Field(field) = &obstacle.shape
-            && !self.field.as_ref().is_some_and(|last| Arc::ptr_eq(last, field))
-        {
-            self.values = backend.upload(field.values());
-            self.field = Some(field.clone());
-        }
-    }
-}
-
-/// An obstacle as a device reads it.
-fn solid(obstacle: &Obstacle) -> Solid {
-    let Obstacle { shape, from, to, friction } = obstacle;
-    let rotation = |pose: &Pose| Vec4::from_array(pose.rotation.to_array());
-    let (kind, size) = match *shape {
-        Shape::Sphere { radius } => (SolidShape::Sphere, Vec3::X * radius),
-        Shape::Capsule { half_length, radius } => (SolidShape::Capsule, Vec3::new(radius, half_length, 0.0)),
-        Shape::Cuboid { half_extent } => (SolidShape::Cuboid, half_extent),
-        Shape::Field(_) => (SolidShape::Field, Vec3::ZERO),
-        _ => (SolidShape::Plane, Vec3::ZERO),
-    };
-    let field = if let Shape::Field(field) = shape { Some(field) } else { None };
-    let (min, spacing, nodes) = field.map(|field| field.nodes()).unwrap_or_default();
-    Solid {
-        rotations: [rotation(from), rotation(to)],
-        from: from.position,
-        shape: kind as u32,
-        to: to.position,
-        friction: *friction,
-        size,
-        slope: field.map_or(1.0, |field| field.slope()),
-        min,
-        spacing,
-        nodes,
-        slides: 0,
-        distance: 0.0,
-        margin: 0.0,
-        padding: [0; 2],
-    }
-}
-
-impl Trees {
-    fn new(n_triangles: u32, n_edges: u32, n_vertices: u32) -> Self {
-        let mut bounds = Vec::new();
-        let mut n_boxes = n_triangles + n_edges + n_vertices;
-        let mut levels = |leaves: u32, n_leaves: u32| {
-            let (mut first, mut n) = (leaves, n_leaves);
-            let mut levels = [leaves; LEVELS];
-            for level in levels.iter_mut().skip(1) {
-                if n > 1 {
-                    bounds.push(BoundUniform { first: n_boxes, first_child: first, n_children: n });
-                    (first, n) = (n_boxes, n.div_ceil(CHILDREN));
-                    n_boxes += n;
-                }
-                *level = first;
-            }
-            levels
-        };
-        let levels = [levels(0, n_triangles), levels(n_triangles, n_edges)];
-        let meet = MeetUniform { n_triangles, n_edges, padding: [0; 2], levels };
-        Self { meet, bounds, n_vertices, n_boxes }
-    }
-
-    /// The first vertex among the primitives.
-    fn first_vertex(&self) -> u32 {
-        self.meet.n_triangles + self.meet.n_edges
-    }
-}
-
-/// The bodies' numbers, by particle: two particles of a triangle are of one body.
-fn bodies(triangles: &[[u32; 3]], n: u32) -> Vec<u32> {
-    let mut sets = DisjointSets::new(n);
-    for &[a, b, c] in triangles {
-        sets.unite(a, b);
-        sets.unite(a, c);
-    }
-    (0..n).map(|v| sets.first(v)).collect()
-}
-
-/// The order of leaves: body by body, each along a curve on which what is near stays near (Morton 1966).
-fn sorted<const N: usize>(primitives: &[[u32; N]], rest: &[Vec3], bodies: &[u32]) -> Vec<[u32; N]> {
-    let least = rest.iter().fold(Vec3::INFINITY, |least, &v| least.min(v));
-    let greatest = rest.iter().fold(Vec3::NEG_INFINITY, |greatest, &v| greatest.max(v));
-    let scale = 1023.0 / (greatest - least).max_element().max(f32::MIN_POSITIVE);
-    let code = |corners: &[u32; N]| {
-        let center = corners.iter().map(|&v| rest[v as usize] - least).sum::<Vec3>() / N as f32;
-        let cell = (center * scale).as_uvec3();
-        let spread = |x: u32| (0..10).fold(0, |code, bit| code | (x >> bit & 1) << (3 * bit));
-        spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
-    };
-    let mut sorted = primitives.to_vec();
-    sorted.sort_by_cached_key(|corners| (bodies[corners[0] as usize], code(corners)));
-    sorted
 }
 
 impl<B: Backend> Collider<B> {
