@@ -6,9 +6,10 @@ use glam::Vec4;
 use super::Contact;
 use crate::{HostViews, Kernel, Scatter};
 
-/// Moves the particles of contact `i`, and changes its multiplier \[N s²\]: across the normal in x, y, z, along it in w. The one along the
+/// Moves the particles of contact `i`, and changes its multiplier: across the normal in x, y, z, along it in w. The one along the
 /// normal never pulls; the one across it takes back what has slipped since the start of the (small) step, up to friction times the first. Reads
-/// (contacts, inverse masses \[1/kg\]), writes q \[m\] and the multipliers: a constraint of XPBD.
+/// (contacts, mobility), writes q \[m\] and the multipliers: a constraint of XPBD. With inverse masses \[1/kg\] as mobility multipliers are
+/// \[N s²\]; with one over what vertices resist with \[m/N\], forces.
 ///
 /// A device may round otherwise: moves and multipliers differ by 10⁻⁵ of their size, and of that of A q.
 #[derive(Debug)]
@@ -36,14 +37,14 @@ impl Scatter<4> for Hold {
     fn scatter(
         i: u32,
         uniform: &HoldUniform,
-        (contacts, inverse_masses): HostViews<'_, Self>,
+        (contacts, mobility): HostViews<'_, Self>,
         q: &[Vec4],
         lambda: &mut Vec4,
     ) -> [Option<(u32, Vec4)>; 4] {
         let contact = &contacts[i as usize];
         let p = contact.particles.map(|p| p as usize);
         let a = contact.weights;
-        let w = Vec4::from(p.map(|p| inverse_masses[p])) * a;
+        let w = Vec4::from(p.map(|p| mobility[p])) * a;
         let softness = w.dot(a);
         if softness <= 0.0 {
             return [None; 4];

@@ -6,7 +6,7 @@ struct Params {
 
 @group(0) @binding(3) var<uniform> params: Params;
 @group(1) @binding(0) var<storage, read> contacts: array<Contact>;
-@group(1) @binding(1) var<storage, read> inverse_masses: array<f32>;
+@group(1) @binding(1) var<storage, read> mobility: array<f32>;
 @group(1) @binding(2) var<storage, read_write> q: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read_write> lambdas: array<vec4<f32>>;
 
@@ -14,7 +14,7 @@ fn scatter(i: u32) {
     let contact = contacts[i];
     let p = contact.particles;
     let a = contact.weights;
-    let w = vec4(inverse_masses[p.x], inverse_masses[p.y], inverse_masses[p.z], inverse_masses[p.w]) * a;
+    let w = vec4(mobility[p.x], mobility[p.y], mobility[p.z], mobility[p.w]) * a;
     let softness = dot(w, a);
     if !(softness > 0.0) {
         return;

@@ -53,8 +53,6 @@ impl Select for MeetSolid {
             friction: solid.friction,
             origin,
             free: 1,
-            way: moved,
-            padding: 0,
         };
         true
     }

@@ -41,8 +41,6 @@ fn select_element(i: u32) -> bool {
         params.friction,
         origin,
         1u,
-        moved,
-        0u,
     );
     return true;
 }

@@ -13,7 +13,6 @@ mod deepest;
 mod draw_color;
 mod drift;
 mod find_value;
-mod held_velocity;
 mod hit;
 mod hold;
 mod keep_out;
@@ -22,7 +21,6 @@ mod meet_solid;
 mod proximity;
 mod push;
 mod release_color;
-mod renew;
 mod settle_color;
 mod shorten;
 mod solid;
@@ -43,7 +41,6 @@ pub use deepest::Deepest;
 pub use draw_color::{ClaimUniform, DrawColor};
 pub use drift::{Drift, DriftUniform};
 pub use find_value::{FindValue, FindValueUniform};
-pub use held_velocity::{HeldVelocity, HeldVelocityUniform};
 pub use hit::{Hit, HitUniform};
 pub use hold::{Hold, HoldUniform};
 pub use keep_out::KeepOut;
@@ -52,7 +49,6 @@ pub use meet_solid::MeetSolid;
 pub use proximity::EDGES;
 pub use push::{Push, PushUniform};
 pub use release_color::ReleaseColor;
-pub use renew::{Renew, RenewUniform};
 pub use settle_color::SettleColor;
 pub use shorten::{Shorten, ShortenUniform};
 pub use solid::{Solid, SolidShape};
@@ -91,10 +87,6 @@ pub struct Contact {
     pub origin: Vec3,
     /// A bit for each particle that is free to move, and [`BETWEEN_EDGES`].
     pub free: u32,
-    /// How far that point goes in the whole step \[m\].
-    pub way: Vec3,
-    /// Fills up what WGSL aligns.
-    pub padding: u32,
 }
 
 impl Contact {
@@ -130,7 +122,7 @@ fn entry(particle: u32, color: u32, mask: u32) -> u32 {
 }
 
 /// Every kernel of this module.
-pub const SHADERS: [Shader; 23] = [
+pub const SHADERS: [Shader; 21] = [
     Shader::update::<Bound>(),
     Shader::lower::<ClaimColor, 4>(),
     Shader::map::<ContactDepth>(),
@@ -139,7 +131,6 @@ pub const SHADERS: [Shader; 23] = [
     Shader::map::<DrawColor>(),
     Shader::map::<Drift>(),
     Shader::expand::<FindValue>(),
-    Shader::map::<HeldVelocity>(),
     Shader::lower::<Hit, 9>(),
     Shader::scatter::<Hold, 4>(),
     Shader::map::<KeepOut>(),
@@ -147,7 +138,6 @@ pub const SHADERS: [Shader; 23] = [
     Shader::select::<MeetSolid>(),
     Shader::scatter::<Push, 4>(),
     Shader::map::<ReleaseColor>(),
-    Shader::map::<Renew>(),
     Shader::select::<SettleColor>(),
     Shader::select::<Shorten>(),
     Shader::map::<SweptBox>(),

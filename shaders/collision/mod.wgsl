@@ -14,8 +14,6 @@ struct Contact {
     friction: f32,
     origin: vec3<f32>,
     free: u32,
-    way: vec3<f32>,
-    padding: u32,
 }
 
 const BETWEEN_EDGES = 16u;

@@ -99,8 +99,6 @@ impl Expand for Touch {
             friction: uniform.friction,
             origin: Vec3::ZERO,
             free: if motion.is_edges { free | BETWEEN_EDGES } else { free },
-            way: Vec3::ZERO,
-            padding: 0,
         };
         contact.start = contact.apply(from);
         emit(contact);

@@ -72,6 +72,6 @@ fn expand(i: u32) {
         let begun = weighed(weights, a.xyz, b.xyz, c.xyz, d.xyz);
         let normal = met.nearest.separation / size;
         let flags = free | select(0u, BETWEEN_EDGES, is_edges);
-        contacts[place] = Contact(ids, weights, normal, distance, begun, params.friction, vec3(0.0), flags, vec3(0.0), 0u);
+        contacts[place] = Contact(ids, weights, normal, distance, begun, params.friction, vec3(0.0), flags);
     }
 }

@@ -232,8 +232,7 @@ fn contact() {
     let [x, y, z, w] = TET;
     let normal = (x - (0.5 * y + 0.25 * z + 0.25 * w)).normalize();
     let distance = normal.dot(x - (0.5 * y + 0.25 * z + 0.25 * w));
-    let rest =
-        Contact { weights, normal, distance, stiffness: 3.0, reach: f32::INFINITY, ..Contact::zeroed() };
+    let rest = Contact { weights, normal, distance, stiffness: 3.0, ..Contact::zeroed() };
     check(&rest, TET, &Except { direction: true, ..ALL });
 }
 

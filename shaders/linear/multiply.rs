@@ -24,7 +24,7 @@ impl Map for Multiply {
     #[inline]
     fn map(i: u32, (): &(), (rows, taps, anchors, d): HostViews<'_, Self>, own: &mut Vec4) {
         let (row, at) = (&rows[i as usize], d[i as usize].truncate());
-        let mut sum = at * anchors[i as usize].w;
+        let mut sum = at * anchors[i as usize].w.abs();
         for e in row.entries(0, row.n) {
             sum += (at - d[taps[e].column as usize].truncate()) * taps[e].weight;
         }

@@ -9,7 +9,7 @@
 fn map(i: u32) {
     let row = rows[i];
     let at = d[i].xyz;
-    var sum = at * anchors[i].w;
+    var sum = at * abs(anchors[i].w);
     var e = row.first;
     for (var k = 0u; k < row.n; k++) {
         sum += (at - d[taps[e].column].xyz) * taps[e].weight;

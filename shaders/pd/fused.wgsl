@@ -2,7 +2,7 @@
 fn fused(i: u32) -> vec3<f32> {
     let row = rows[i];
     let at = q[i].xyz;
-    var sum = (anchors[i].xyz - at) * anchors[i].w;
+    var sum = (anchors[i].xyz - at) * abs(anchors[i].w);
     var e = row.first;
     for (var k = 0u; k < row.n_springs; k++) {
         let d = q[taps[e].column].xyz - at;

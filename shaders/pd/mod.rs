@@ -3,6 +3,9 @@
 //! Particles are numbered color by color, pinned ones last, so a color is a range. Rows lie in slices of 32, entry by entry (sliced
 //! ELLPACK), so that what the invocations of a device read together lies together. Springs come first in each row.
 //!
+//! The w of an anchor is its weight, m/h² and the stiffness of attachments \[N/m\]; negative where contacts have moved the particle in this step,
+//! which is not over-relaxed then.
+//!
 //! A device may fuse products with sums: what a vertex adds up differs by 10⁻⁵ of its largest term.
 
 mod anchor;
@@ -13,6 +16,7 @@ mod move_by_diagonal;
 mod relax_fused;
 mod relax_linear;
 mod row_energy;
+mod shift_anchor;
 mod spring_block;
 mod spring_pull;
 
@@ -29,11 +33,12 @@ pub use move_by_diagonal::MoveByDiagonal;
 pub use relax_fused::RelaxFused;
 pub use relax_linear::RelaxLinear;
 pub use row_energy::RowEnergy;
+pub use shift_anchor::ShiftAnchor;
 pub use spring_block::SpringBlock;
 pub use spring_pull::SpringPull;
 
 /// Every kernel of this module.
-pub const SHADERS: [Shader; 10] = [
+pub const SHADERS: [Shader; 11] = [
     Shader::map::<Anchor>(),
     Shader::map::<FusedResidual>(),
     Shader::map::<LinearResidual>(),
@@ -42,6 +47,7 @@ pub const SHADERS: [Shader; 10] = [
     Shader::update::<RelaxFused>(),
     Shader::update::<RelaxLinear>(),
     Shader::map::<RowEnergy>(),
+    Shader::update::<ShiftAnchor>(),
     Shader::map::<SpringBlock>(),
     Shader::map::<SpringPull>(),
 ];
@@ -110,6 +116,12 @@ impl Row {
     }
 }
 
+/// The weight of a particle's step: no more than 1 where contacts have moved it, or what lies on something would not come to rest.
+#[inline]
+fn eased(omega: f32, anchor: Vec4) -> f32 {
+    if anchor.w < 0.0 { omega.min(1.0) } else { omega }
+}
+
 #[inline]
 fn guarded(squared: f32) -> f32 {
     squared.max(1e-36)
@@ -119,7 +131,7 @@ fn guarded(squared: f32) -> f32 {
 #[inline]
 fn fused(i: u32, rows: &[Row], taps: &[Tap], pulls: &[f32], anchors: &[Vec4], q: &[Vec4]) -> Vec3 {
     let (row, at, anchor) = (&rows[i as usize], q[i as usize].truncate(), anchors[i as usize]);
-    let mut sum = (anchor.truncate() - at) * anchor.w;
+    let mut sum = (anchor.truncate() - at) * anchor.w.abs();
     for e in row.entries(0, row.n_springs) {
         let d = q[taps[e].column as usize].truncate() - at;
         sum += d * (taps[e].weight - pulls[e] / guarded(d.length_squared()).sqrt());
@@ -134,7 +146,7 @@ fn fused(i: u32, rows: &[Row], taps: &[Tap], pulls: &[f32], anchors: &[Vec4], q:
 #[inline]
 fn linear(i: u32, rows: &[Row], taps: &[Tap], anchors: &[Vec4], pulls: &[Vec4], q: &[Vec4]) -> Vec3 {
     let (row, at, anchor) = (&rows[i as usize], q[i as usize].truncate(), anchors[i as usize]);
-    let mut sum = (anchor.truncate() - at) * anchor.w + pulls[i as usize].truncate();
+    let mut sum = (anchor.truncate() - at) * anchor.w.abs() + pulls[i as usize].truncate();
     for e in row.entries(0, row.n) {
         sum += (q[taps[e].column as usize].truncate() - at) * taps[e].weight;
     }

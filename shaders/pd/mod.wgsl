@@ -26,3 +26,8 @@ struct Spring {
 fn guarded(squared: f32) -> f32 {
     return max(squared, 1e-36);
 }
+
+// No over-relaxation of what contacts have moved.
+fn eased(omega: f32, anchor: vec4<f32>) -> f32 {
+    return select(omega, min(omega, 1.0), anchor.w < 0.0);
+}

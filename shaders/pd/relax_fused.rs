@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use super::{FUSED, Omega, Row, Tap, VEC3, WGSL, fused};
+use super::{FUSED, Omega, Row, Tap, VEC3, WGSL, eased, fused};
 use crate::{HostViews, Kernel, Update};
 
 /// `q += ω (b − Y q)_i / Y_ii` \[m\], springs projected from the latest q; reads (rows, taps, spring pulls \[N\], anchors).
@@ -28,6 +28,6 @@ impl Update for RelaxFused {
     ) -> Vec4 {
         let (at, step) = (q[i as usize], rows[i as usize].inverse_diagonal);
         let residual = fused(i, rows, taps, spring_pulls, anchors, q);
-        (at.truncate() + residual * step * uniform.omega).extend(at.w)
+        (at.truncate() + residual * step * eased(uniform.omega, anchors[i as usize])).extend(at.w)
     }
 }

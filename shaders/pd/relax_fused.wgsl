@@ -12,5 +12,5 @@ struct Params {
 @group(1) @binding(4) var<storage, read_write> q: array<vec4<f32>>;
 
 fn update(i: u32) {
-    q[i] = vec4(q[i].xyz + fused(i) * rows[i].inverse_diagonal * params.omega, q[i].w);
+    q[i] = vec4(q[i].xyz + fused(i) * rows[i].inverse_diagonal * eased(params.omega, anchors[i]), q[i].w);
 }

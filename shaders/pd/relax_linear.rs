@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use super::{LINEAR, Omega, Row, Tap, WGSL, linear};
+use super::{LINEAR, Omega, Row, Tap, WGSL, eased, linear};
 use crate::{HostViews, Kernel, Update};
 
 /// `q += ω (b − Y q)_i / Y_ii` \[m\]; reads (rows, taps, anchors, pulls \[N\]).
@@ -28,6 +28,6 @@ impl Update for RelaxLinear {
     ) -> Vec4 {
         let (at, step) = (q[i as usize], rows[i as usize].inverse_diagonal);
         let residual = linear(i, rows, taps, anchors, pulls, q);
-        (at.truncate() + residual * step * uniform.omega).extend(at.w)
+        (at.truncate() + residual * step * eased(uniform.omega, anchors[i as usize])).extend(at.w)
     }
 }

@@ -7,6 +7,8 @@ struct Params {
     tolerated_rise: f32,
     most: u32,
     recovery: u32,
+    rounding: f32,
+    is_lowered: u32,
 }
 
 @group(0) @binding(3) var<uniform> params: Params;
@@ -28,11 +30,13 @@ fn map(i: u32) {
         watches[i] = watch;
         return;
     }
-    let bound = watch.lowest + params.tolerated_rise * abs(watch.lowest);
+    let bound = watch.lowest + params.tolerated_rise * abs(watch.lowest) + params.rounding;
     // By its bits: what is not a number need not compare as one.
     let is_finite = (bitcast<u32>(objective) & 0x7f800000u) != 0x7f800000u;
     if is_finite && !(objective > bound) {
-        watch.lowest = min(objective, watch.lowest);
+        if params.is_lowered == 1u {
+            watch.lowest = min(objective, watch.lowest);
+        }
         watch.kept = objective;
     } else {
         watch.is_back = 1u;

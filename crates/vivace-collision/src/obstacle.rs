@@ -35,6 +35,18 @@ impl Pose {
         if self.rotation == Quat::IDENTITY { from_here } else { self.rotation.conjugate() * from_here }
     }
 
+    /// Where one is that has gone `part` of its way from here to `to`, evenly.
+    fn toward(self, to: Self, part: f32) -> Self {
+        if self == to || part <= 0.0 {
+            return self;
+        }
+        if part >= 1.0 {
+            return to;
+        }
+        let position = self.position.lerp(to.position, part);
+        Self { position, rotation: self.rotation.slerp(to.rotation, part).normalize() }
+    }
+
     fn is_valid(self) -> bool {
         self.position.abs().max_element() <= MAX_POSITION
             && self.position.is_finite()
@@ -96,6 +108,13 @@ impl Obstacle {
 }
 
 impl Obstacle {
+    /// The same from one part of its way to another, each from 0 to 1.
+    #[must_use]
+    pub fn during(&self, from: f32, to: f32) -> Self {
+        let at = |part: f32| self.from.toward(self.to, part);
+        Self { from: at(from), to: at(to), ..self.clone() }
+    }
+
     pub(crate) fn is_still(&self) -> bool {
         self.from == self.to
     }

@@ -43,6 +43,6 @@ pub use vivace_scene::{Hold, Pose, Scene, SceneError};
 pub use vivace_solver::Resident;
 pub use vivace_solver::collision;
 pub use vivace_solver::{
-    Base, Budget, ContactMemory, ContactReport, Ease, Framework, LocalStep, PhaseTimes, Preconditioner,
-    Relaxation, Rho, Solver, SolverError, StepReport, Stop, TearReport, VertexSolve,
+    Base, Budget, ContactReport, Ease, Framework, LocalStep, PhaseTimes, Preconditioner, Relaxation, Rho,
+    Solver, SolverError, StepReport, Stop, TearReport, VertexSolve,
 };

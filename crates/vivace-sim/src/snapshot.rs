@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use vivace_model::{Forces, State, Tear};
-use vivace_solver::{ContactMemory, Ease};
+use vivace_solver::Ease;
 
 use crate::{Patch, SimError, Vec3};
 
@@ -20,9 +20,6 @@ pub struct Snapshot {
     pub forces: Forces,
     /// What the safeguard remembers.
     pub ease: Ease,
-    /// What the coloring remembers of contacts.
-    #[serde(default)]
-    pub contacts: ContactMemory,
     /// What is held.
     #[serde(default)]
     pub grabs: Vec<Patch>,

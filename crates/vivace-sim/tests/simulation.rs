@@ -201,11 +201,11 @@ fn a_snapshot_among_contacts_resumes_bit_for_bit() {
     scene.bodies.push(above);
     let budget = Budget::iterations(6);
     let mut one = Simulation::new(&scene, Solver::default()).unwrap();
-    let mut recolored = 0;
+    let mut contacts = 0;
     for _ in 0..20 {
-        recolored += one.step(budget).unwrap().contacts.recolored;
+        contacts = one.step(budget).unwrap().contacts.contacts;
     }
-    assert!(recolored > 0, "nobody had to give way");
+    assert!(contacts > 100, "{contacts}");
     let text = one.snapshot().to_json().unwrap();
     let snapshot = vivace_sim::Snapshot::from_json(&text).unwrap();
     assert_eq!(snapshot, one.snapshot());
@@ -215,12 +215,6 @@ fn a_snapshot_among_contacts_resumes_bit_for_bit() {
         assert_eq!(one.step(budget).unwrap().contacts, other.step(budget).unwrap().contacts, "frame {frame}");
         assert_eq!(one.state(), other.state(), "frame {frame}");
     }
-    // That of another scene is refused, and changes nothing.
-    let mut small = Simulation::new(&vivace_sim::scene::drape(5), Solver::default()).unwrap();
-    let wrong = vivace_sim::Snapshot { contacts: snapshot.contacts, ..small.snapshot() };
-    let before = small.snapshot();
-    assert!(small.restore(&wrong).is_err());
-    assert_eq!(small.snapshot(), before);
 }
 
 /// An obstacle that moves takes along what lies on it.

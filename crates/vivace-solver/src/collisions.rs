@@ -6,19 +6,19 @@ use glam::Vec3;
 use vivace_collision::{CollisionError, Contact, Detector, Obstacle, Options};
 use vivace_model::Model;
 
-use crate::contacts::{Found, SmallStep};
-use crate::{ContactReport, Recoloring, SolverError};
+use crate::contacts::Found;
+use crate::{ContactReport, SolverError};
 
 /// A model's surface, prepared for detection, and obstacles.
 ///
-/// In each step contacts are looked for between where it begins and where particles are predicted; they are constraints like any
-/// other while it, or each of its small steps, is solved; and what would have passed through after that is held back.
+/// In each small step contacts are looked for between where it begins and where particles are predicted; they are constraints like
+/// any other while it is solved; and what would have passed through after that is held back.
 pub struct Collisions {
     detector: Detector,
     rest: Vec<Vec3>,
-    /// How the coloring follows.
-    pub recoloring: Recoloring,
     obstacles: Vec<Obstacle>,
+    /// The same, with their way in the small step.
+    moving: Vec<Obstacle>,
     contacts: Vec<Contact>,
 }
 
@@ -35,9 +35,8 @@ impl Collisions {
     /// Options out of range; a thickness that the mesh is too fine for.
     pub fn new(model: &Model, rest: &[Vec3], options: Options) -> Result<Self, CollisionError> {
         let detector = Detector::new(model.surface(), rest, options)?;
-        let (obstacles, contacts) = (Vec::new(), Vec::new());
-        let rest = rest.to_vec();
-        Ok(Self { detector, rest, recoloring: Recoloring::default(), obstacles, contacts })
+        let (obstacles, moving, contacts) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self { detector, rest: rest.to_vec(), obstacles, moving, contacts })
     }
 
     /// For `model`, whose first `n` particles are those of now: copies rest where what they are copies of does. So sides of a tear, which
@@ -61,8 +60,21 @@ impl Collisions {
         &self.detector
     }
 
-    pub(crate) fn obstacles(&self) -> &[Obstacle] {
-        &self.obstacles
+    /// The obstacles in the small step that [`Collisions::enter`] has named.
+    pub(crate) fn moving(&self) -> &[Obstacle] {
+        &self.moving
+    }
+
+    /// Small step `k` of `n` begins.
+    ///
+    /// # Errors
+    /// An obstacle that cannot be.
+    pub(crate) fn enter(&mut self, k: u32, n: u32) -> Result<(), SolverError> {
+        self.obstacles.iter().enumerate().try_for_each(|(idx, obstacle)| obstacle.check(idx))?;
+        let part = |k: u32| k as f32 / n as f32;
+        self.moving.clear();
+        self.moving.extend(self.obstacles.iter().map(|obstacle| obstacle.during(part(k), part(k + 1))));
+        Ok(())
     }
 
     /// The obstacles, with their way in the next step, which checks them.
@@ -70,7 +82,7 @@ impl Collisions {
         &mut self.obstacles
     }
 
-    /// The contacts of the last step.
+    /// The contacts of the last (small) step.
     #[must_use]
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
@@ -83,20 +95,14 @@ impl Collisions {
         h: f32,
         report: &mut ContactReport,
     ) -> Result<(), SolverError> {
-        let found = self.detector.detect(from, to, &self.obstacles, h, &mut self.contacts)?;
-        report.contacts += found.contacts;
+        let found = self.detector.detect(from, to, &self.moving, h, &mut self.contacts)?;
+        report.contacts = found.contacts;
         report.left_out += found.left_out;
         Ok(())
     }
 
-    pub(crate) fn found<'a>(
-        &'a self,
-        masses: &'a [f32],
-        before: &'a [Vec3],
-        predicted: &'a [Vec3],
-        small: SmallStep,
-    ) -> Found<'a> {
-        Found { contacts: &self.contacts, before, predicted, masses, small, recoloring: self.recoloring }
+    pub(crate) fn found<'a>(&'a self, before: &'a [Vec3], h: f32) -> Found<'a> {
+        Found { contacts: &self.contacts, before, h }
     }
 
     pub(crate) fn limit(
@@ -105,7 +111,7 @@ impl Collisions {
         to: &mut [Vec3],
         report: &mut ContactReport,
     ) -> Result<(), SolverError> {
-        report.held_back += self.detector.limit(from, to, &self.obstacles)?.contacts;
+        report.held_back += self.detector.limit(from, to, &self.moving)?.contacts;
         let depths = self.contacts.iter().map(|contact| (-contact.gap(to)).max(0.0));
         let (deepest, sum) = depths.fold((0.0_f32, 0.0), |(most, sum), depth| (most.max(depth), sum + depth));
         report.deepest = deepest;

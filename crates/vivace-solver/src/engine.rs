@@ -9,7 +9,6 @@ use vivace_coloring::Vivace;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
-use crate::contacts::{ContactMemory, SmallStep};
 use crate::{ContactReport, Solver, SolverError, Stages};
 
 /// A framework where it runs, with the positions and velocities of a frame.
@@ -47,8 +46,8 @@ pub(crate) trait Engine: Debug + Send + Sync {
         recoloring.map_or(Ok(()), |_| Err(SolverError::NoRecoloring { why }))
     }
 
-    /// A frame begins: line 2, where it colors anew.
-    fn recolor(&mut self) {}
+    /// A frame begins: line 2, where it colors anew; what contacts did is counted anew.
+    fn begin_frame(&mut self) {}
 
     /// Moves the target of attachment `idx`, which exists \[m\].
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
@@ -80,7 +79,8 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// After line 1: puts pinned particles elsewhere \[m\].
     fn place(&mut self, pins: &[(u32, Vec3)]);
 
-    /// Finds the contacts of the step of `h` \[s\] from where it begins to what was predicted for its end.
+    /// Finds the contacts of the (small) step of `h` \[s\] from where it begins to what was predicted for its end; until
+    /// [`Engine::take_contacts`] there are none.
     ///
     /// # Errors
     /// Detection refuses what was predicted, or an obstacle.
@@ -91,29 +91,14 @@ pub(crate) trait Engine: Debug + Send + Sync {
         report: &mut ContactReport,
     ) -> Result<(), SolverError>;
 
-    /// Takes the contacts that were found, for a small step whose end has been predicted.
-    ///
-    /// # Errors
-    /// As [`Engine::detect`].
-    fn take_contacts(
-        &mut self,
-        model: &Model,
-        collisions: &Collisions,
-        small: SmallStep,
-        report: &mut ContactReport,
-    ) -> Result<(), SolverError>;
+    /// Takes the contacts that were found.
+    fn take_contacts(&mut self, collisions: &Collisions, h: f32, report: &mut ContactReport);
 
-    /// After all small steps of a step of `h` \[s\]: holds back what has passed through something since contacts were looked for.
+    /// After line 8: holds back what has passed through something since the (small) step began.
     ///
     /// # Errors
     /// As [`Engine::detect`].
-    fn guard(
-        &mut self,
-        collisions: &mut Collisions,
-        forces: &Forces,
-        h: f32,
-        report: &mut ContactReport,
-    ) -> Result<(), SolverError>;
+    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError>;
 
     /// After all that: what contacts did in the step, where that was not told before; whether some were left out for want of room, and there is
     /// more room now.
@@ -125,24 +110,14 @@ pub(crate) trait Engine: Debug + Send + Sync {
         Ok(false)
     }
 
-    /// What the coloring of the next step depends on.
-    fn memory(&self) -> ContactMemory {
-        ContactMemory::default()
-    }
-
-    /// Takes up where another stood.
-    ///
-    /// # Errors
-    /// It is not that of this model.
-    fn set_memory(&mut self, _: &ContactMemory) -> Result<(), SolverError> {
-        Ok(())
-    }
-
     /// Makes ready for lines 3 to 8, from what was predicted.
     fn begin(&mut self, h: f32);
 
     /// Lines 3 to 8.
     fn stages(&mut self) -> &mut dyn Stages;
+
+    /// After line 8: hands over what was solved for.
+    fn end(&mut self) {}
 
     /// Line 9: `v = (q' − q) / h`, damped; the next (small) step begins where this one ends.
     fn update_velocities(&mut self, forces: &Forces, h: f32);

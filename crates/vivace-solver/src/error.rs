@@ -81,9 +81,6 @@ pub enum SolverError {
     /// Detection refuses the surface, an obstacle or a position.
     #[error(transparent)]
     Collision(#[from] CollisionError),
-    /// What is to be taken up is not of this model.
-    #[error("the contacts that are to be taken up are not those of this model")]
-    Memory,
     /// The graph of a model and its coloring disagree.
     #[error("{violation}")]
     Coloring {

@@ -56,11 +56,6 @@ impl<T: Copy + Default + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T
         self.saved.copy_from_slice(values);
     }
 
-    /// Exchanges `values` for what was saved.
-    pub(crate) fn swap_saved(&mut self, values: &mut [T]) {
-        self.saved.swap_with_slice(values);
-    }
-
     /// Brings back what was saved, and forgets the iterations since.
     pub(crate) fn restore(&mut self, values: &mut [T]) {
         values.copy_from_slice(&self.saved);

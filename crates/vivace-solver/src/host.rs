@@ -7,7 +7,7 @@ use vivace_collision::Detector;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
-use crate::contacts::{Change, ContactMemory, Found, SmallStep};
+use crate::contacts::Found;
 use crate::engine::Engine;
 use crate::pbd::PositionBased;
 use crate::pd::ProjectiveDynamics;
@@ -27,18 +27,8 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
     /// See [`Engine::prepare`].
     fn prepare(&mut self, h: f32) -> Result<(), SolverError>;
 
-    /// Takes the contacts of a small step, after [`Solve::prepare`] and before [`Solve::begin`].
-    fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError>;
-
-    /// See [`Engine::memory`].
-    fn memory(&self) -> ContactMemory {
-        ContactMemory::default()
-    }
-
-    /// See [`Engine::set_memory`].
-    fn set_memory(&mut self, _: &ContactMemory) -> Result<(), SolverError> {
-        Ok(())
-    }
+    /// Takes the contacts of a small step, after [`Solve::prepare`] and before [`Solve::begin`]; how many colors they have.
+    fn set_contacts(&mut self, found: &Found<'_>) -> usize;
 
     /// Begins a step of `h` \[s\] from `predicted` (s of Eq. 1) \[m\], in the model's order.
     fn begin(&mut self, h: f32, predicted: &[Vec3]);
@@ -51,8 +41,6 @@ pub(crate) trait Solve: Stages + Debug + Send + Sync {
 #[derive(Debug)]
 pub(crate) struct Host {
     framework: Box<dyn Solve>,
-    /// Positions where contacts were looked for last.
-    start: Vec<Vec3>,
     /// Positions before the (small) step, predicted, and after it; velocities and accelerations.
     before: Vec<Vec3>,
     predicted: Vec<Vec3>,
@@ -82,7 +70,6 @@ impl Host {
         let zeros = || vec![Vec3::ZERO; model.n_particles()];
         Ok(Self {
             framework: framework(model, solver, colors)?,
-            start: Vec::new(),
             before: zeros(),
             predicted: zeros(),
             after: zeros(),
@@ -161,46 +148,16 @@ impl Engine for Host {
         h: f32,
         report: &mut ContactReport,
     ) -> Result<(), SolverError> {
-        self.start.clone_from(&self.before);
+        self.framework.set_contacts(&Found { contacts: &[], before: &self.before, h });
         collisions.detect(&self.before, &self.predicted, h, report)
     }
 
-    fn take_contacts(
-        &mut self,
-        model: &Model,
-        collisions: &Collisions,
-        small: SmallStep,
-        report: &mut ContactReport,
-    ) -> Result<(), SolverError> {
-        let found = collisions.found(model.masses(), &self.before, &self.predicted, small);
-        report.add(&self.framework.set_contacts(&found)?);
-        Ok(())
+    fn take_contacts(&mut self, collisions: &Collisions, h: f32, report: &mut ContactReport) {
+        report.colors = self.framework.set_contacts(&collisions.found(&self.before, h));
     }
 
-    fn guard(
-        &mut self,
-        collisions: &mut Collisions,
-        forces: &Forces,
-        h: f32,
-        report: &mut ContactReport,
-    ) -> Result<(), SolverError> {
-        collisions.limit(&self.start, &mut self.after, report)?;
-        let scale = (-forces.damping * h).exp() / h;
-        for (i, velocity) in self.velocities.iter_mut().enumerate() {
-            if self.after[i] != self.before[i] {
-                *velocity = (self.after[i] - self.start[i]) * scale;
-            }
-        }
-        self.before.copy_from_slice(&self.after);
-        Ok(())
-    }
-
-    fn memory(&self) -> ContactMemory {
-        self.framework.memory()
-    }
-
-    fn set_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
-        self.framework.set_memory(memory)
+    fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError> {
+        collisions.limit(&self.before, &mut self.after, report)
     }
 
     fn begin(&mut self, h: f32) {
@@ -211,8 +168,11 @@ impl Engine for Host {
         &mut *self.framework
     }
 
-    fn update_velocities(&mut self, forces: &Forces, h: f32) {
+    fn end(&mut self) {
         self.framework.end(&mut self.after);
+    }
+
+    fn update_velocities(&mut self, forces: &Forces, h: f32) {
         let scale = (-forces.damping * h).exp() / h;
         for ((velocity, after), before) in self.velocities.iter_mut().zip(&self.after).zip(&self.before) {
             *velocity = (*after - *before) * scale;

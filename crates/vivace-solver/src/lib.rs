@@ -19,6 +19,7 @@ mod pbd;
 mod pd;
 mod relaxation;
 mod report;
+mod rounding;
 mod safeguard;
 mod solver;
 mod stages;
@@ -30,7 +31,6 @@ pub mod reference;
 
 pub use budget::Budget;
 pub use collisions::Collisions;
-pub use contacts::{ContactMemory, Recoloring};
 pub use error::SolverError;
 pub use report::{ContactReport, PhaseTimes, StepReport, Stop, TearReport};
 pub use solver::{Base, Framework, LocalStep, Preconditioner, Relaxation, Rho, Solver, VertexSolve};

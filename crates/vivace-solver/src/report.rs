@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::Change;
-
 /// What one step did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepReport {
@@ -54,30 +52,18 @@ pub struct TearReport {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactReport {
-    /// Contacts that were solved.
+    /// Contacts that were solved, in the last small step.
     pub contacts: usize,
-    /// Contacts beyond the bound on their number, which were not.
+    /// Colors of these, in each of which no two share a particle; on a GPU as many as it goes through, some of them empty.
+    pub colors: usize,
+    /// Contacts beyond the bound on their number, which were not, over all small steps.
     pub left_out: usize,
-    /// Edges that contacts brought to the graph or took from it.
-    pub changed_edges: usize,
-    /// How often a vertex got another color.
-    pub recolored: usize,
-    /// Vertices whose neighbors recoloring looked at, and how many neighbors those were.
-    pub visited: [usize; 2],
-    /// Particles that the guard held back.
+    /// Particles that the guard held back, over all small steps.
     pub held_back: usize,
     /// By how much the end of the step comes nearer than the thickness, at the worst contact \[m\].
     pub deepest: f32,
     /// The same, as a mean over all contacts \[m\].
     pub mean_depth: f32,
-}
-
-impl ContactReport {
-    pub(crate) fn add(&mut self, change: &Change) {
-        self.changed_edges += change.edges;
-        self.recolored += change.recolored;
-        self.visited = [self.visited[0] + change.visited[0], self.visited[1] + change.visited[1]];
-    }
 }
 
 /// Seconds spent in each phase of a step.
@@ -93,7 +79,7 @@ pub struct PhaseTimes {
     /// Detection of contacts \[s\].
     #[serde(default)]
     pub detect: f64,
-    /// Contacts made constraints: graph and coloring \[s\].
+    /// Contacts made constraints, and colored \[s\].
     #[serde(default)]
     pub color: f64,
     /// The guard that lets nothing pass \[s\].

@@ -6,9 +6,11 @@ use crate::Stages;
 /// acceleration. Plain relaxations never raise it in Projective Dynamics, so easing ends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Safeguard {
-    /// Lowest objective seen, and that of the positions that were kept last \[J\].
+    /// Lowest objective seen, or the first, and that of the positions that were kept last \[J\].
     lowest: f64,
     kept: f64,
+    /// What roundings may add to it \[J\].
+    rounding: f64,
     looks: Looks,
 }
 
@@ -40,11 +42,10 @@ impl Looks {
 }
 
 impl Safeguard {
-    /// At the start of a time step, before its first iteration.
-    pub(crate) fn begin(stages: &mut dyn Stages) -> Self {
+    /// Before the first iteration of a time step, whose objective was so at its start \[J\].
+    pub(crate) fn begin(objective: f64, rounding: f64, stages: &mut dyn Stages) -> Self {
         stages.save();
-        let objective = stages.objective();
-        Self { lowest: objective, kept: objective, looks: Looks::new() }
+        Self { lowest: objective, kept: objective, rounding, looks: Looks::new() }
     }
 
     /// After iteration `k` (from 1): whether it is time to look.
@@ -56,12 +57,11 @@ impl Safeguard {
     pub(crate) fn check(&mut self, k: u32, stages: &mut dyn Stages) -> bool {
         self.looks.look(k);
         let objective = stages.objective();
-        if let Some(kept) = stages.objective_of_saved() {
-            (self.lowest, self.kept) = (kept, kept);
-        }
         // Not a number compares false: it is a rise.
-        if objective <= self.lowest + stages.tolerated_rise() * self.lowest.abs() {
-            self.lowest = objective.min(self.lowest);
+        if objective <= self.lowest + stages.tolerated_rise() * self.lowest.abs() + self.rounding {
+            if stages.is_lowered() {
+                self.lowest = objective.min(self.lowest);
+            }
             self.kept = objective;
             stages.save();
             false

@@ -40,7 +40,10 @@ pub(crate) trait Stages {
     /// The linear system of the local step, exactly.
     fn solve_directly(&mut self);
 
-    /// Ends an iteration: projects contacts, where they are apart from the sweeps.
+    /// Before the first iteration: projects contacts where particles were predicted, where they are no part of the sweeps.
+    fn meet(&mut self) {}
+
+    /// Ends an iteration: projects contacts, where they are no part of the sweeps.
     fn touch(&mut self) {}
 
     /// Keeps a copy of q to extrapolate from.
@@ -56,16 +59,16 @@ pub(crate) trait Stages {
     /// The objective g(q) that the time step minimises \[J\]: inertia and the energy of the constraints.
     fn objective(&mut self) -> f64;
 
-    /// Where the objective has changed since, as that of friction does with each local step: that of what [`Stages::save`] kept, as it
-    /// is now \[J\].
-    fn objective_of_saved(&mut self) -> Option<f64> {
-        None
-    }
-
     /// By how much of itself the objective may rise without cause for alarm: rounding in `f32`, which averages to 10⁻⁵ over a few
     /// hundred nearly unstretched springs. What diverges grows by factors.
     fn tolerated_rise(&self) -> f64 {
         TOLERATED_RISE
+    }
+
+    /// Whether each iteration is to lower the objective. Contacts whose forces are found while it goes on make it rise on the way, but not beyond
+    /// what it began with: of that and the contacts' own energy the end is the minimum.
+    fn is_lowered(&self) -> bool {
+        true
     }
 
     /// Root mean square of the objective's gradient over the free particles \[N\].
@@ -82,8 +85,8 @@ pub(crate) trait Stages {
 
     /// Where decisions are made where the positions are: a small step of `most` iterations begins, whose weights and what is kept of it are
     /// found there, as the safeguard would. Whether it is so.
-    fn watch(&mut self, relaxation: Relaxation, most: u32, ease: Ease) -> bool {
-        let _ = (relaxation, most, ease);
+    fn watch(&mut self, relaxation: Relaxation, most: u32, ease: Ease, rounding: f64) -> bool {
+        let _ = (relaxation, most, ease, rounding);
         false
     }
 

@@ -75,11 +75,13 @@ impl Ease {
     }
 }
 
-/// Lines 3 to 8 of Algorithm 1: iterations until `budget` is spent, on positions that were predicted before.
+/// Lines 3 to 8 of Algorithm 1: iterations until `budget` is spent, on positions that were predicted before. `rounding` is what roundings may add to the
+/// objective \[J\].
 pub(crate) fn solve(
     stages: &mut dyn Stages,
     solver: &Solver,
     budget: &Budget,
+    rounding: f64,
     start: Instant,
     ease: &mut Ease,
     report: &mut StepReport,
@@ -88,14 +90,18 @@ pub(crate) fn solve(
     report.stop = Stop::Iterations;
     // Whatever has been eased away: it may come back.
     let is_watched = solver.safeguard && most > 0 && is_accelerated(solver.relaxation);
-    if is_watched && budget.is_counted() && stages.watch(solver.relaxation, most, *ease) {
+    if is_watched && budget.is_counted() && stages.watch(solver.relaxation, most, *ease, rounding) {
         solve_unseen(stages, solver, most);
         report.iterations += most;
         return;
     }
     stages.learn(ease, report);
     let mut schedule = Schedule::new(solver.relaxation, *ease, solver.safeguard);
-    let mut safeguard = is_watched.then(|| Safeguard::begin(stages));
+    let at_start = is_watched.then(|| stages.objective());
+    if most > 0 {
+        stages.meet();
+    }
+    let mut safeguard = at_start.map(|objective| Safeguard::begin(objective, rounding, stages));
     let solve_start = Instant::now();
     let (mut k, mut backoffs) = (0, 0);
     while k < most {

@@ -8,10 +8,10 @@ use vivace_kernels::Backend;
 use vivace_model::{Model, ModelError, State, Tear};
 
 use crate::collisions::Collisions;
-use crate::contacts::ContactMemory;
 use crate::device::OnDevice;
 use crate::engine::Engine;
 use crate::host::Host;
+use crate::rounding::Rounding;
 use crate::step::Ease;
 use crate::{Framework, Relaxation, Solver, SolverError};
 
@@ -22,6 +22,7 @@ use crate::{Framework, Relaxation, Solver, SolverError};
 #[derive(Debug)]
 pub struct System {
     model: Model,
+    rounding: Rounding,
     solver: Solver,
     engine: Box<dyn Engine>,
     ease: Ease,
@@ -106,6 +107,7 @@ impl System {
     fn with_engine(model: Model, solver: Solver, engine: Box<dyn Engine>) -> Self {
         let ease = Ease::default();
         Self {
+            rounding: Rounding::new(&model),
             model,
             solver,
             engine,
@@ -182,6 +184,7 @@ impl System {
     pub fn replace_attachments(&mut self, n: usize, more: &[(u32, Vec3, f32)]) -> Result<(), SolverError> {
         let kept: Vec<(u32, Vec3, f32)> = self.model.attachments().skip(n).collect();
         self.model.replace_attachments(n, more)?;
+        self.rounding = Rounding::new(&self.model);
         let colors = self.colors_of(&self.model);
         let detector = self.collisions.as_ref().map(Collisions::detector);
         if let Err(error) = self.engine.set_attachments(&self.model, &self.solver, &colors, detector) {
@@ -214,6 +217,7 @@ impl System {
         if let (Some(collisions), Some(torn)) = (&mut self.collisions, torn) {
             collisions.set_torn(torn);
         }
+        self.rounding = Rounding::new(&model);
         self.model = model;
         self.has_state = false;
         self.moves.clear();
@@ -309,21 +313,6 @@ impl System {
     /// Collisions, where there are any: to move obstacles.
     pub fn collisions_mut(&mut self) -> Option<&mut Collisions> {
         self.collisions.as_mut()
-    }
-
-    /// What the coloring of the next step depends on beside its contacts: with [`System::ease`] and the state, all that the next step
-    /// depends on.
-    #[must_use]
-    pub fn contact_memory(&self) -> ContactMemory {
-        self.engine.memory()
-    }
-
-    /// Takes up where another system of this model stood.
-    ///
-    /// # Errors
-    /// [`SolverError::Memory`]: it is not of this model. Nothing has changed.
-    pub fn set_contact_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
-        self.engine.set_memory(memory)
     }
 
     /// How many colors a sweep has.

@@ -9,10 +9,9 @@ use vivace_kernels::Backend;
 use vivace_kernels::collision::{
     Bound, BoundUniform, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, Contact, ContactDepth,
     ContactEnergy, ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue,
-    FindValueUniform, HeldVelocity, HeldVelocityUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut,
-    KeepThin, LEVELS, Meet, MeetSolid, MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor,
-    Renew, RenewUniform, SHADERS, SettleColor, Shorten, ShortenUniform, Solid, SolidShape, SweptBox,
-    SweptBoxUniform, Thin, Touch, TouchUniform,
+    FindValueUniform, Hit, HitUniform, Hold, HoldUniform, KeepOut, KeepThin, LEVELS, Meet, MeetSolid,
+    MeetUniform, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, SHADERS, SettleColor, Shorten,
+    ShortenUniform, Solid, SolidShape, SweptBox, SweptBoxUniform, Thin, Touch, TouchUniform,
 };
 use vivace_tests::naive::Naive;
 use vivace_tests::random::Random;
@@ -68,7 +67,7 @@ impl Left {
     fn contacts(kernel: &'static str, contacts: &[Contact], bound: f32) -> Self {
         let of = |c: &Contact| [c.particles.as_slice(), &[c.free]].concat();
         let numbers = |c: &Contact| {
-            let vectors = [c.origin, c.normal, c.start, c.way].map(|v: Vec3| v.to_array()).concat();
+            let vectors = [c.origin, c.normal, c.start].map(|v: Vec3| v.to_array()).concat();
             let rest = [c.distance, c.friction];
             [c.weights.to_array().as_slice(), &vectors, &rest].concat()
         };
@@ -391,11 +390,6 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
         Left::numbers("deepest", &[f32::from_bits(!turned[0])], 1e-6),
         Left::words("deepest", &turned[1..]),
     ]);
-    let mut renewed = backend.upload(&data.contacts);
-    let before = backend.upload(&data.from);
-    let uniform = RenewUniform { on: -0.75, share: 0.25 };
-    backend.map::<Renew>(&list, &uniform, (backend.view(&before),), &mut renewed);
-    left.push(Left::contacts("renew", &backend.read(renewed)?, 1e-6));
     left.extend(guard(backend, data)?);
     left.extend(solids(backend, data)?);
     Ok(left)
@@ -447,14 +441,6 @@ fn guard<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
             Left::words("shorten", &backend.indices(&shortened)?),
         ]);
     }
-    let held = |k: usize| if k.is_multiple_of(3) { data.to[k] } else { data.from[k] };
-    let q = backend.upload(&(0..data.to.len()).map(held).collect::<Vec<_>>());
-    let mut velocities = guarded(backend, &data.rest);
-    let list = sample_of(backend, n as usize, KEY);
-    let inputs = (backend.view(&q), backend.view(&to), backend.view(&from));
-    let uniform = HeldVelocityUniform { scale: 60.0 };
-    backend.map::<HeldVelocity>(&list, &uniform, inputs, &mut velocities);
-    left.push(Left::numbers("held_velocity", &backend.read(velocities)?, 1e-6));
     let mut found = guarded(backend, &[sentinel::<u32>(); 3]);
     let mut counts = backend.filled(2, 0);
     let list = sample_of(backend, data.parts.len(), KEY);
@@ -478,14 +464,7 @@ fn solids<B: Backend>(backend: &B, data: &Data) -> Result<Vec<Left>, B::Error> {
         let inputs = (backend.view(&from), backend.view(&to), backend.view(&values));
         let found = backend.select::<MeetSolid>(&mut list, solid, inputs, &mut contacts);
         left.extend([Left::words("meet_solid", &backend.indices(&found)?)]);
-        let met = backend.read(contacts)?;
-        let mut renewed = backend.upload(&met);
-        let uniform = RenewUniform { on: -0.75, share: 0.25 };
-        backend.map::<Renew>(&found, &uniform, (backend.view(&to),), &mut renewed);
-        left.extend([
-            Left::contacts("meet_solid", &met, 1e-4),
-            Left::contacts("renew", &backend.read(renewed)?, 1e-4),
-        ]);
+        left.push(Left::contacts("meet_solid", &backend.read(contacts)?, 1e-4));
         for slides in [0, 1] {
             let mut q = guarded(backend, &data.to);
             let inputs = (backend.view(&from), backend.view(&values));

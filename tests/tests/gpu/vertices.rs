@@ -11,7 +11,7 @@ use vivace_kernels::linear::{
 };
 use vivace_kernels::pd::{
     Anchor, FusedResidual, LinearResidual, MoveByBlock, MoveByDiagonal, Omega, RelaxFused, RelaxLinear, Row,
-    RowEnergy, SLICE, SpringBlock, SpringPull, SpringTap, Tap,
+    RowEnergy, SLICE, ShiftAnchor, SpringBlock, SpringPull, SpringTap, Tap,
 };
 use vivace_kernels::step::{
     Blow, BlowUniform, CopyVector, CopyVectorWhere, CopyVectorWhereUniform, Decide, DecideUniform,
@@ -37,6 +37,9 @@ struct Data {
     taps: Vec<Tap>,
     springs: Vec<SpringTap>,
     vectors: [Vec<Vec4>; 3],
+    /// Some of which contacts have shifted.
+    anchors: Vec<Vec4>,
+    mobility: Vec<f32>,
     numbers: Vec<f32>,
     offsets: Vec<u32>,
     corners: Vec<[u32; 3]>,
@@ -103,6 +106,8 @@ impl Data {
             rows,
             taps: (0..n_taps).map(tap).collect(),
             springs: (0..n_taps).map(spring).collect(),
+            anchors: vectors[n_all..2 * n_all].iter().map(|v| v.truncate().extend(v.w - 1.5)).collect(),
+            mobility: vectors.iter().map(|v| 1.0 + v.y).collect(),
             numbers: vectors.iter().map(|v| v.x).collect(),
             vectors: [0, 1, 2].map(|k| vectors[k * n_all..(k + 1) * n_all].to_vec()),
             offsets: (0..=n).map(|i| i * 2 + i / 2).collect(),
@@ -120,6 +125,8 @@ struct On<'a, B: Backend> {
     springs: B::Buffer<SpringTap>,
     pulls: B::Buffer<f32>,
     vectors: [B::Buffer<Vec4>; 3],
+    anchors: B::Buffer<Vec4>,
+    mobility: B::Buffer<f32>,
     blocks: B::Buffer<[Vec4; 2]>,
     numbers: B::Buffer<f32>,
     offsets: B::Buffer<u32>,
@@ -143,6 +150,8 @@ impl<'a, B: Backend> On<'a, B> {
             springs: backend.upload(&data.springs),
             pulls: backend.upload(&pulls),
             vectors: [0, 1, 2].map(|k| backend.upload(&data.vectors[k])),
+            anchors: backend.upload(&data.anchors),
+            mobility: backend.upload(&data.mobility),
             blocks: backend.upload(&blocks),
             numbers: backend.upload(&data.numbers),
             offsets: backend.upload(&data.offsets),
@@ -184,12 +193,23 @@ fn pick<B: Backend, U: Weight>(on: &On<'_, B>) -> Result<(&'static str, Vec<f32>
     Ok((PickWeight::<U>::NAME, left))
 }
 
+/// Anchors after contacts.
+fn shift<'a, B: Backend>(
+    on: &On<'_, B>,
+    anchors: &[Vec4],
+    inputs: (View<'a, B, Vec4>, View<'a, B, Vec4>, View<'a, B, f32>),
+) -> Result<(&'static str, Vec<f32>), B::Error> {
+    let left = written(on, anchors, |own| on.backend.update::<ShiftAnchor>(&on.list, &(), inputs, own))?;
+    Ok((ShiftAnchor::NAME, left))
+}
+
 /// The names of the kernels, and what each of them leaves.
 fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f32>)>, B::Error> {
     let on = On::new(backend, data);
     let (rows, taps) = (backend.view(&on.rows), backend.view(&on.taps));
     let (pulls, springs) = (backend.view(&on.pulls), backend.view(&on.springs));
     let (a, b, c) = (on.vector(0), on.vector(1), on.vector(2));
+    let (anchors, mobility) = (backend.view(&on.anchors), backend.view(&on.mobility));
     let (vectors, list, omega) = (&data.vectors[2], &on.list, Omega { omega: 1.3 });
     let blocks: Vec<_> = vectors.iter().map(|&v| [v, v]).collect();
     macro_rules! map {
@@ -223,6 +243,8 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
         tolerated_rise: 1e-4,
         most: 4,
         recovery: 6,
+        rounding: 0.5,
+        is_lowered: 1,
     };
     let find = FindScalarsUniform { stage: 0, n_sums: data.n.min(step::BLOCK), squared_tolerance: 1.0 };
     let (scalars, pairs) = (backend.view(&on.scalars), backend.view(&on.pairs));
@@ -231,14 +253,14 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
     let sums = backend.range(3..3 + n_sums);
     Ok(vec![
         map!(Anchor, &(), (a, b), vectors),
-        map!(FusedResidual, &(), (rows, taps, pulls, b, a), vectors),
+        map!(FusedResidual, &(), (rows, taps, pulls, anchors, a), vectors),
         map!(AddScaled, &AddScaledUniform { factor: -1.0, by_alpha: 1 }, (scalars, a), vectors),
         map!(AddScaled, &AddScaledUniform { factor: 1.0, by_alpha: 0 }, (scalars, a), vectors),
         map!(Divide, &(), (rows, a), vectors),
         map!(FindScalars, &FindScalarsUniform { stage: 0, ..find }, (pairs,), &data.scalars),
         map!(FindScalars, &FindScalarsUniform { stage: 1, ..find }, (pairs,), &data.scalars),
         map!(FindScalars, &FindScalarsUniform { stage: 2, ..find }, (pairs,), &data.scalars),
-        map!(Multiply, &(), (rows, taps, b, a), vectors),
+        map!(Multiply, &(), (rows, taps, anchors, a), vectors),
         map!(Turn, &(), (scalars, a), vectors),
         (Sweep::NAME, {
             // Members of a color, whose neighbors are others.
@@ -254,12 +276,14 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
             SumPairs::NAME,
             written(&on, &data.pairs, |own| backend.map::<SumPairs>(&sums, &sum, (pairs,), own))?,
         ),
-        map!(LinearResidual, &(), (rows, taps, b, c, a), vectors),
-        map!(MoveByBlock, &omega, (rows, a, backend.view(&on.blocks)), vectors),
-        map!(MoveByDiagonal, &omega, (rows, a), vectors),
-        update!(RelaxFused, (rows, taps, pulls, b)),
-        update!(RelaxLinear, (rows, taps, b, a)),
+        map!(LinearResidual, &(), (rows, taps, anchors, c, a), vectors),
+        map!(MoveByBlock, &omega, (rows, a, anchors, backend.view(&on.blocks)), vectors),
+        map!(MoveByDiagonal, &omega, (rows, a, anchors), vectors),
+        update!(RelaxFused, (rows, taps, pulls, anchors)),
+        update!(RelaxLinear, (rows, taps, anchors, a)),
         map!(RowEnergy, &(), (rows, taps, springs, b, a), &data.numbers),
+        shift(&on, &data.anchors, (a, c, mobility))?,
+        shift(&on, &data.anchors, (a, a, mobility))?,
         map!(SpringBlock, &(), (rows, taps, springs, a), &blocks),
         map!(SpringPull, &(), (rows, taps, pulls, a), vectors),
         map!(Blow, &blow, (backend.view(&on.offsets), backend.view(&on.corners), a, b), vectors),
@@ -268,6 +292,7 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
         map!(CopyVectorWhere, &CopyVectorWhereUniform { is_back: 1 }, (backend.view(&on.watch), a), vectors),
         map!(Decide, &decide, (backend.view(&on.numbers),), &data.watches),
         map!(Decide, &DecideUniform { k: 0, ..decide }, (backend.view(&on.numbers),), &data.watches),
+        map!(Decide, &DecideUniform { is_lowered: 0, ..decide }, (backend.view(&on.numbers),), &data.watches),
         map!(Decide, &DecideUniform { is_last: 0, ..decide }, (backend.view(&on.numbers),), &data.watches),
         map!(Extrapolate, &ExtrapolateUniform { omega: 1.3 }, (a,), vectors),
         (Place::NAME, written(&on, vectors, |own| backend.update::<Place>(list, &(), (a,), own))?),

@@ -6,8 +6,8 @@ use vivace_cpu::Cpu;
 use vivace_mesh::{TriMesh, ball, cloth};
 use vivace_model::{Forces, Model, ModelBuilder, State};
 use vivace_solver::{
-    Base, Budget, Collisions, ContactReport, Framework, LocalStep, Recoloring, Relaxation, Solver,
-    SolverError, StepReport, System, VertexSolve,
+    Base, Budget, Collisions, ContactReport, Framework, LocalStep, Relaxation, Solver, SolverError,
+    StepReport, System, VertexSolve,
 };
 use vivace_tests::scenes::{Scene, gauss_seidel, plain};
 
@@ -121,7 +121,8 @@ fn a_cloth_at_rest_on_a_sphere_stays_at_rest() {
     assert_clean(&scene.0, &state, &obstacles, "at rest");
 }
 
-/// One cloth is thrown at another: by which part of itself the momentum of both has changed, and what contacts did.
+/// One cloth is thrown at another: by which part of itself the momentum of both has changed until they part, and what contacts did. (Sweeps that
+/// have not converged lose some of it in free flight, too.)
 pub(crate) fn momentum_lost(make: Make, framework: Framework, friction: f32) -> (f64, ContactReport) {
     let up = Pose { rotation: Quat::from_rotation_x(0.3), ..Pose::at(Vec3::new(0.05, 0.06, 0.03)) };
     let (model, mut state) = cloths(9, &[Pose::IDENTITY, up]);
@@ -132,14 +133,18 @@ pub(crate) fn momentum_lost(make: Make, framework: Framework, friction: f32) -> 
     let before = momentum(&state);
     let solver = Solver { framework, ..Solver::default() };
     let mut system = colliding(make, &scene, solver, options(friction), &[]);
-    let mut seen = ContactReport::default();
+    let (mut seen, mut after) = (ContactReport::default(), before);
     for _ in 0..20 {
         let report = system.step(&mut state, &NO_FORCE, H, Budget::iterations(20)).unwrap().contacts;
         seen.contacts += report.contacts;
         seen.held_back += report.held_back;
         seen.left_out += report.left_out;
+        if report.contacts == 0 && seen.contacts > 0 {
+            break;
+        }
+        after = momentum(&state);
     }
-    let off = (momentum(&state) - before).length() / before.length();
+    let off = (after - before).length() / before.length();
     let of_first = |(k, v): (usize, &Vec3)| if k < half { v.as_dvec3() } else { DVec3::ZERO };
     let passed = moment(&model, state.velocities.iter().enumerate().map(of_first));
     println!("{framework:?} {friction}: {off}, {passed} of {before}, {seen:?}");
@@ -153,16 +158,13 @@ fn colliding_bodies_keep_their_momentum() {
     for framework in frameworks() {
         for friction in [0.0, 0.5] {
             let (off, seen) = momentum_lost(on_host, framework, friction);
-            // What the guard holds back of unconverged sweeps it takes from one side alone.
-            let is_guarded = framework != Framework::PositionBased && seen.held_back > 0;
-            let most = if is_guarded { 0.02 } else { 1e-4 };
-            assert!(off < most, "{framework:?}, friction {friction}: {off}");
+            assert!(off < 1e-5, "{framework:?}, friction {friction}: {off}, {seen:?}");
         }
     }
 }
 
 /// What lies on a cloth that is held at its corners hangs there, and does not fall as if nobody held the two of them. The cloth alone hangs
-/// 0.03 m low, and so it does in Position Based Dynamics; sweeps of Projective Dynamics have to move both at once, and come there slowly.
+/// 0.03 m low.
 #[test]
 fn what_lies_on_a_held_cloth_is_held() {
     let n = 9;
@@ -190,13 +192,10 @@ fn what_lies_on_a_held_cloth_is_held() {
         sag
     };
     for framework in frameworks() {
-        let (few, many) = (sag(framework, 30), sag(framework, 100));
-        assert!(many > 0.02, "{framework:?}: {many} m");
-        if framework == Framework::PositionBased {
-            assert!(few < 0.08, "{few} m");
-        } else {
-            assert!(many < 0.7 * few, "{framework:?}: {few} m, then {many} m");
-        }
+        // All come to 0.041 m, some slowly.
+        let (few, many) = (sag(framework, 30), sag(framework, 400));
+        assert!(few < 0.15, "{framework:?}: {few} m");
+        assert!(many > 0.035 && many < 0.055, "{framework:?}: {many} m");
     }
 }
 
@@ -216,18 +215,17 @@ pub(crate) fn slid(make: Make, solver: Solver, iterations: u32, degrees: f32) ->
 
 #[test]
 fn friction_holds_below_the_cone_and_slides_above_it() {
-    // In one step of many iterations; by default also of so few that friction is what the depth at the start says.
-    let few = (4, Framework::default());
-    for (iterations, framework) in frameworks().map(|framework| (40, framework)).into_iter().chain([few]) {
+    for (iterations, framework) in
+        frameworks().into_iter().flat_map(|framework| [(4, framework), (40, framework)])
+    {
         let solver = Solver { framework, ..Solver::default() };
         let held = slid(on_host, solver, iterations, 24.0);
         let (angle, free) = (30.0_f32.to_radians(), slid(on_host, solver, iterations, 30.0));
         let expected = 0.5 * 9.81 * (angle.sin() - 0.5 * angle.cos());
         let what = format!("{framework:?}, {iterations} iterations");
         println!("{what}: {held} m at 24°, {free} m of {expected} at 30°");
-        let (still, off) = if iterations == 40 { (0.005, 0.1) } else { (0.02, 0.3) };
-        assert!(held.abs() < still, "{what}: slides by {held} m below the cone");
-        assert!((free / expected - 1.0).abs() < off, "{what}: slides by {free} m, not {expected}");
+        assert!(held.abs() < 0.002, "{what}: slides by {held} m below the cone");
+        assert!((free / expected - 1.0).abs() < 0.03, "{what}: slides by {free} m, not {expected}");
     }
 }
 
@@ -269,7 +267,7 @@ fn nothing_passes_through() {
     }
 }
 
-/// Contacts found once for sixteen small steps: a cloth that is draped over a sphere and folds on the floor is clean, hardly stretched,
+/// Sixteen small steps of one iteration: a cloth that is draped over a sphere and folds on the floor is clean, hardly stretched,
 /// and comes to rest.
 #[test]
 fn small_steps_drape_a_cloth() {
@@ -318,7 +316,7 @@ fn a_heap_stays_finite_and_inside() {
     for frame in 0..160 {
         let report = system.step(&mut state, &Forces::default(), H, Budget::iterations(8)).unwrap();
         let half = frame / 80;
-        most[half] = most[half].max(report.colors);
+        most[half] = most[half].max(report.contacts.colors);
         assert!(extent(&state) < 3.0, "frame {frame}");
         if frame % 40 == 39 {
             assert_clean(&scene.0, &state, &obstacles, &format!("frame {frame}"));
@@ -338,7 +336,7 @@ pub(crate) fn extent(state: &State) -> f32 {
 }
 
 /// Where two balls and a cloth end that fall on one another, and all that was reported.
-fn on_threads(solver: Solver, recoloring: Recoloring, n_threads: usize) -> (State, Vec<ContactReport>) {
+fn on_threads(solver: Solver, n_threads: usize) -> (State, Vec<ContactReport>) {
     let mut builder = ModelBuilder::new();
     let sheet = cloth::regular(40, 40, 0.04).unwrap();
     let first = builder.cloth(&sheet, 0.2).unwrap();
@@ -354,7 +352,6 @@ fn on_threads(solver: Solver, recoloring: Recoloring, n_threads: usize) -> (Stat
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
     pool.install(|| {
         let mut system = system(&scene, solver, options(0.3), &[floor(-0.3, 0.5)]);
-        system.collisions_mut().unwrap().recoloring = recoloring;
         let mut state = scene.1.clone();
         state.velocities[1600..].fill(Vec3::new(0.0, -3.0, 0.0));
         let mut reports = Vec::new();
@@ -376,34 +373,18 @@ fn threads_do_not_show_in_contacts() {
             Relaxation::Jacobi { omega: 2.0 / 3.0 },
         ] {
             let solver = Solver { framework, relaxation, substeps: 2, ..Solver::default() };
-            let one = on_threads(solver, Recoloring::Incremental, 1);
+            let one = on_threads(solver, 1);
             assert!(one.1.iter().any(|report| report.contacts > 20), "{:?}", one.1.last());
             for n_threads in [2, 7] {
-                assert!(
-                    on_threads(solver, Recoloring::Incremental, n_threads) == one,
-                    "{solver:?} on {n_threads}"
-                );
+                assert!(on_threads(solver, n_threads) == one, "{solver:?} on {n_threads}");
             }
         }
     }
 }
 
-/// Graph and coloring change in proportion to the contacts, whichever way it is colored.
-#[test]
-fn recoloring_is_reported() {
-    let solver = plain(gauss_seidel(1.0));
-    let (incremental, full) =
-        (on_threads(solver, Recoloring::Incremental, 1).1, on_threads(solver, Recoloring::Full, 1).1);
-    assert!(incremental.iter().any(|report| report.recolored > 0), "{incremental:?}");
-    for (incremental, full) in incremental.iter().zip(&full).filter(|(report, _)| report.changed_edges > 0) {
-        assert!(4 * incremental.visited[0] < full.visited[0], "{incremental:?} {full:?}");
-    }
-}
-
 /// A cloth far above the floor falls as one without collisions.
-pub(crate) fn is_as_without_collisions(make: Make, framework: Framework) {
+pub(crate) fn is_as_without_collisions(make: Make, solver: Solver) {
     let scene = cloths(9, &[Pose::IDENTITY]);
-    let solver = Solver { framework, ..Solver::default() };
     let mut colliding = colliding(make, &scene, solver, options(0.3), &[floor(-100.0, 0.5)]);
     let mut alone = make(&scene, solver);
     let (mut a, mut b) = (scene.1.clone(), scene.1.clone());
@@ -411,13 +392,14 @@ pub(crate) fn is_as_without_collisions(make: Make, framework: Framework) {
         let with = colliding.step(&mut a, &Forces::default(), H, Budget::iterations(10)).unwrap();
         let without = alone.step(&mut b, &Forces::default(), H, Budget::iterations(10)).unwrap();
         assert_eq!((with.contacts.contacts, without.contacts), (0, ContactReport::default()));
-        assert_eq!(a, b, "{framework:?}");
+        assert_eq!(a, b, "{solver:?}");
     }
 }
 
 #[test]
 fn a_scene_without_contacts_is_as_it_was() {
-    frameworks().into_iter().for_each(|framework| is_as_without_collisions(on_host, framework));
+    let solver = |framework| Solver { framework, ..Solver::default() };
+    frameworks().into_iter().for_each(|framework| is_as_without_collisions(on_host, solver(framework)));
 }
 
 #[test]

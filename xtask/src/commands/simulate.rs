@@ -69,7 +69,7 @@ pub struct Args {
     quiet: bool,
 }
 
-const COLUMNS: [&str; 25] = [
+const COLUMNS: [&str; 24] = [
     "frame",
     "time_s",
     "iterations",
@@ -90,9 +90,8 @@ const COLUMNS: [&str; 25] = [
     "color_ms",
     "guard_ms",
     "contacts",
+    "contact_colors",
     "left_out",
-    "changed_edges",
-    "recolored",
     "held_back",
     "deepest_m",
 ];
@@ -174,7 +173,7 @@ pub fn run(args: Args) -> Result<(), CommandError> {
     if args.quiet { Ok(()) } else { output::print(&format!("{}\n", path.display())) }
 }
 
-fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 25] {
+fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f64; 2]) -> [String; 24] {
     let stop = match report.stop {
         Stop::Iterations => "iterations",
         Stop::Time => "time",
@@ -205,9 +204,8 @@ fn row(simulation: &Simulation, report: &StepReport, total: f64, [mean, max]: [f
         number(report.times.color * 1e3),
         number(report.times.guard * 1e3),
         contacts.contacts.to_string(),
+        contacts.colors.to_string(),
         contacts.left_out.to_string(),
-        contacts.changed_edges.to_string(),
-        contacts.recolored.to_string(),
         contacts.held_back.to_string(),
         contacts.deepest.to_string(),
     ]

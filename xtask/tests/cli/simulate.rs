@@ -46,7 +46,7 @@ fn simulate_writes_meshes_measures_and_pictures() {
     assert!(mesh(2).mesh.positions()[35].y < mesh(0).mesh.positions()[35].y);
 }
 
-const CSV_COLUMNS: &str = "frame,time_s,iterations,colors,objective,residual_n,last_move_m,backoffs,solve_ms,total_ms,mean_strain,max_strain,particles,torn_corners,tear_ms,stop,detect_ms,color_ms,guard_ms,contacts,left_out,changed_edges,recolored,held_back,deepest_m";
+const CSV_COLUMNS: &str = "frame,time_s,iterations,colors,objective,residual_n,last_move_m,backoffs,solve_ms,total_ms,mean_strain,max_strain,particles,torn_corners,tear_ms,stop,detect_ms,color_ms,guard_ms,contacts,contact_colors,left_out,held_back,deepest_m";
 
 #[test]
 fn the_trade_of_any_scene_is_measured_and_a_bad_one_refused_by_line() {

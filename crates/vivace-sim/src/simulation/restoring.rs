@@ -1,7 +1,6 @@
 //! Snapshots.
 
 use vivace_model::{Model, ModelError, check_time_step};
-use vivace_solver::ContactMemory;
 
 use super::Simulation;
 use super::unseen::Seen;
@@ -19,7 +18,6 @@ impl Simulation {
             time_step: self.time_step,
             forces: self.forces,
             ease,
-            contacts: self.system.contact_memory(),
             grabs: self.grabs.clone(),
             n_grabs: self.n_grabs,
             tears: self.tears.clone(),
@@ -53,10 +51,10 @@ impl Simulation {
             return Err(ModelError::Value { what, value, need: "finite" }.into());
         }
         let unheld = model.is_some().then(|| self.unheld()).transpose()?;
-        let (grabs, contacts) = (self.grabs.clone(), self.system.contact_memory());
+        let grabs = self.grabs.clone();
         let targets: Vec<Vec3> = self.targets().collect();
-        if let Err(error) = self.take(model, &snapshot.grabs, &snapshot.targets, &snapshot.contacts) {
-            self.take(unheld, &grabs, &targets, &contacts)?;
+        if let Err(error) = self.take(model, &snapshot.grabs, &snapshot.targets) {
+            self.take(unheld, &grabs, &targets)?;
             return Err(error);
         }
         if let Some(unheld) = unheld {
@@ -90,7 +88,6 @@ impl Simulation {
         unheld: Option<Box<Model>>,
         grabs: &[Patch],
         targets: &[Vec3],
-        contacts: &ContactMemory,
     ) -> Result<(), SimError> {
         if let Some(model) = unheld {
             self.system.set_model(*model)?;
@@ -100,6 +97,6 @@ impl Simulation {
         for (attachment, &target) in targets.iter().enumerate() {
             self.set_target(attachment, target)?;
         }
-        Ok(self.system.set_contact_memory(contacts)?)
+        Ok(())
     }
 }

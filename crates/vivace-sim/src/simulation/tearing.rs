@@ -17,13 +17,11 @@ impl Simulation {
         }
         self.before.clone_from(&self.state);
         let ease = self.system.ease();
-        let contacts = self.system.collisions().map(|_| self.system.contact_memory());
         let mut report = self.system.step(&mut self.state, &self.forces, self.time_step, budget)?;
         let start = Instant::now();
         if let Err(error) = self.tear(&mut report) {
             self.state.clone_from(&self.before);
             self.system.set_ease(ease);
-            contacts.map_or(Ok(()), |contacts| self.system.set_contact_memory(&contacts))?;
             return Err(error);
         }
         report.times.tear = start.elapsed().as_secs_f64();

@@ -17,8 +17,8 @@ use vivace_kernels::collision::{
     Bound, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, ContactDepth, ContactEnergy,
     ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue, FindValueUniform, Hit,
     HitUniform, HoldUniform, KeepOut, KeepThin, Meet, MeetSolid, N_COLORS, NO_COLOR, Push, PushUniform,
-    ReleaseColor, Renew, RenewUniform, SettleColor, Shorten, ShortenUniform, Solid, SweptBox,
-    SweptBoxUniform, Thin, Touch, TouchUniform,
+    ReleaseColor, SettleColor, Shorten, ShortenUniform, Solid, SweptBox, SweptBoxUniform, Thin, Touch,
+    TouchUniform,
 };
 use vivace_kernels::coloring::{SetValue, SetValueUniform};
 use vivace_kernels::step::{ExtrapolateUniform, SetVector, SetVectorUniform, Watch};
@@ -26,7 +26,6 @@ use vivace_kernels::{Backend, Params, pcg};
 
 use super::failure;
 use super::sums::Sums;
-use crate::contacts::{STIFFNESS, SmallStep};
 use crate::error::narrow;
 use crate::pbd;
 use crate::{ContactReport, SolverError};
@@ -87,9 +86,8 @@ pub(super) struct Collider<B: Backend> {
     n_palettes: u32,
     classes: Vec<B::List>,
     solids: Vec<Standing<B>>,
-    /// Inverse masses \[1/kg\], and, in Projective Dynamics, one over the diagonal of Y \[m/N\].
-    inverse_masses: B::Buffer<f32>,
-    inverse_diagonal: Option<B::Buffer<f32>>,
+    /// By how much multipliers move the particles, by [`Resists`]: inverse masses \[1/kg\], or one over what a vertex resists with \[m/N\].
+    mobility: [B::Buffer<f32>; 2],
     /// Whether the contacts that were found are those of the small step.
     is_on: bool,
     parts: B::Buffer<u32>,
@@ -97,6 +95,15 @@ pub(super) struct Collider<B: Backend> {
     counts: Counts<B>,
     /// Pairs and contacts that found no room, and contacts that got no color, as last reported.
     lacking: [usize; 3],
+}
+
+/// What a particle resists a contact with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Resists {
+    /// Its inertia.
+    Inertia,
+    /// All that holds it while its neighbors stand still.
+    Vertex,
 }
 
 /// How many there were, and how many found no room; and turned bits of the largest depth.
@@ -178,8 +185,7 @@ impl<B: Backend> Collider<B> {
             n_palettes: 1,
             classes: Vec::new(),
             solids: Vec::new(),
-            inverse_masses: backend.upload(inverse_masses),
-            inverse_diagonal: None,
+            mobility: [(); 2].map(|()| backend.upload(inverse_masses)),
             is_on: false,
             parts: backend.filled(2 * place.len() + 1, u32::MAX),
             no_items: backend.filled(0, 0),
@@ -243,11 +249,15 @@ impl<B: Backend> Collider<B> {
         Ok(has_room || has_colors)
     }
 
-    /// Takes one over the diagonal of Y \[m/N\], of the particles that are free, which come first.
-    pub(super) fn set_diagonal(&mut self, backend: &B, inverse_diagonal: &[f32]) {
-        let mut all = inverse_diagonal.to_vec();
-        all.resize(self.n as usize, 0.0);
-        backend.write(self.inverse_diagonal.get_or_insert_with(|| backend.filled(all.len(), 0.0)), &all);
+    /// Takes one over what the particles that are free resist with, which come first \[m/N\]: multipliers are forces then.
+    pub(super) fn set_mobility(&mut self, backend: &B, resists: Resists, mut mobility: Vec<f32>) {
+        mobility.resize(self.n as usize, 0.0);
+        backend.write(&mut self.mobility[resists as usize], &mobility);
+    }
+
+    /// By how much multipliers move the particles.
+    pub(super) fn mobility(&self, resists: Resists) -> &B::Buffer<f32> {
+        &self.mobility[resists as usize]
     }
 
     /// How many contacts there may be, of each kind: for sums over them.
@@ -263,10 +273,10 @@ impl<B: Backend> Collider<B> {
         self.solids.iter_mut().map(|standing| &mut standing.touching).chain([&mut self.touching])
     }
 
-    /// Begins to count anew.
-    fn clear_counts(&mut self, backend: &B) {
-        let Counts { pairs, contacts, kept, outside, uncolored, held, .. } = &mut self.counts;
-        for counts in [pairs, contacts, kept, outside, uncolored, held] {
+    /// A frame begins: what finds no room in it, and what is held back, is counted anew.
+    pub(super) fn clear_counts(&mut self, backend: &B) {
+        let Counts { pairs, contacts, uncolored, held, .. } = &mut self.counts;
+        for counts in [pairs, contacts, uncolored, held] {
             set(backend, 0..2, 0, counts);
         }
     }
@@ -280,7 +290,10 @@ impl<B: Backend> Collider<B> {
         obstacles: &[Obstacle],
     ) -> Result<bool, SolverError> {
         obstacles.iter().enumerate().try_for_each(|(k, obstacle)| obstacle.check(k))?;
-        self.clear_counts(backend);
+        // Contacts are counted anew in each small step; what found no room is not.
+        let Counts { pairs, contacts, kept, outside, .. } = &mut self.counts;
+        [pairs, contacts].into_iter().for_each(|counts| set(backend, 0..1, 0, counts));
+        [kept, outside].into_iter().for_each(|counts| set(backend, 0..2, 0, counts));
         self.is_on = false;
         let is_new = self.solids.len() != obstacles.len();
         self.solids.truncate(obstacles.len());
@@ -404,18 +417,9 @@ impl<B: Backend> Collider<B> {
         }
     }
 
-    /// Takes what was found, for a small step from `before` \[m\].
-    pub(super) fn take(&mut self, backend: &B, small: SmallStep, before: &B::Buffer<Vec4>) {
+    /// Takes what was found.
+    pub(super) fn take(&mut self) {
         self.is_on = true;
-        if small.n > 1 {
-            let share = 1.0 / small.n as f32;
-            // They were found for the end of the step.
-            let on = if small.k == 0 { share - 1.0 } else { share };
-            let uniform = RenewUniform { on, share };
-            self.sets_mut().for_each(|set| {
-                backend.map::<Renew>(&set.list, &uniform, (backend.view(before),), &mut set.contacts);
-            });
-        }
     }
 
     /// Forgets the multipliers.
@@ -424,18 +428,19 @@ impl<B: Backend> Collider<B> {
     }
 
     /// Projects all contacts.
-    pub(super) fn relax(&mut self, backend: &B, q: &mut B::Buffer<Vec4>) {
+    pub(super) fn relax(&mut self, backend: &B, resists: Resists, q: &mut B::Buffer<Vec4>) {
         if !self.is_on {
             return;
         }
         let uniform = HoldUniform { compliance: pbd::CONTACT_STIFFNESS.recip() };
-        let Self { solids, touching, classes, inverse_masses, .. } = self;
+        let Self { solids, touching, classes, mobility, .. } = self;
+        let mobility = &mobility[resists as usize];
         for Standing { touching, .. } in solids {
             let list = touching.list.clone();
-            touching.relax(backend, &list, &uniform, inverse_masses, q);
+            touching.relax(backend, &list, &uniform, mobility, q);
         }
         for class in classes {
-            touching.relax(backend, class, &uniform, inverse_masses, q);
+            touching.relax(backend, class, &uniform, mobility, q);
         }
     }
 
@@ -459,14 +464,18 @@ impl<B: Backend> Collider<B> {
         self.sets_mut().for_each(|set| set.history.follow(backend, watch, &mut set.lambdas));
     }
 
-    /// Adds the energy of all contacts \[J\] in a (small) step of `h` \[s\]: w d²/2, where w is so many times the stiffness of what they hold.
-    /// In Projective Dynamics that is none that is minimized, but tells whether they still are deep.
-    pub(super) fn add_energy(&self, backend: &B, h: f32, q: &B::Buffer<Vec4>, sums: &mut Sums<B>) {
-        let (mobility, stiffness) = match &self.inverse_diagonal {
-            Some(inverse_diagonal) => (inverse_diagonal, STIFFNESS),
-            None => (&self.inverse_masses, pbd::CONTACT_STIFFNESS / (h * h)),
-        };
-        let uniform = ContactEnergyUniform { stiffness };
+    /// Adds the energy of all contacts \[J\]: w d²/2, where w is so many times the stiffness of what they hold; with inverse masses in a (small)
+    /// step of which `squared_h` is the square \[s²\].
+    pub(super) fn add_energy(
+        &self,
+        backend: &B,
+        resists: Resists,
+        squared_h: f32,
+        q: &B::Buffer<Vec4>,
+        sums: &mut Sums<B>,
+    ) {
+        let mobility = self.mobility(resists);
+        let uniform = ContactEnergyUniform { stiffness: pbd::CONTACT_STIFFNESS / squared_h };
         for set in self.sets() {
             sums.clear(backend);
             let inputs = (backend.view(&set.contacts), backend.view(mobility), backend.view(q));
@@ -571,11 +580,11 @@ impl<B: Backend> Collider<B> {
         let mean_depth = (sums.total(backend)? / n_contacts.max(1) as f64) as f32;
         Ok(ContactReport {
             contacts: n_contacts,
+            colors: self.classes.len() + self.solids.len(),
             left_out: no_pairs + no_room + uncolored,
             held_back: read(held)?[1],
             deepest: f32::from_bits(!turned[0]),
             mean_depth,
-            ..ContactReport::default()
         })
     }
 }

@@ -6,12 +6,12 @@ use vivace_coloring::Vivace;
 use vivace_kernels::Backend;
 use vivace_kernels::pd::{
     Anchor, FusedResidual, LinearResidual, MoveByBlock, MoveByDiagonal, Omega, RelaxFused, RelaxLinear,
-    RowEnergy, SpringBlock, SpringPull,
+    RowEnergy, ShiftAnchor, SpringBlock, SpringPull,
 };
 use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SquaredDistance, SquaredLength};
 use vivace_model::{Forces, Model, State};
 
-use super::collide::Collider;
+use super::collide::{Collider, Resists};
 use super::conjugate_gradient::ConjugateGradient;
 use super::history::History;
 use super::motion::Motion;
@@ -64,7 +64,7 @@ pub(super) struct Frame<B: Backend> {
     anchor_weights: Vec<f32>,
     inverse_diagonal: Vec<f32>,
     holds: B::Buffer<Vec4>,
-    anchors: B::Buffer<Vec4>,
+    anchors: Anchors<B>,
     motion: Motion<B>,
     history: History<B>,
     pulls: B::Buffer<Vec4>,
@@ -79,6 +79,35 @@ pub(super) struct Frame<B: Backend> {
     conjugate_gradient: Option<ConjugateGradient<B>>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
+}
+
+/// Where inertia and attachments pull the particles together.
+struct Anchors<B: Backend> {
+    own: B::Buffer<Vec4>,
+    /// The same as contacts shift them, if there may be any.
+    shifted: Option<Shifted<B>>,
+}
+
+impl<B: Backend> Anchors<B> {
+    /// Those that sweeps see.
+    fn seen(&self) -> &B::Buffer<Vec4> {
+        self.shifted.as_ref().map_or(&self.own, |shifted| &shifted.anchors)
+    }
+}
+
+/// Anchors that the forces of contacts shift.
+struct Shifted<B: Backend> {
+    anchors: B::Buffer<Vec4>,
+    /// Where vertices were before their contacts moved them \[m\].
+    from: B::Buffer<Vec4>,
+    history: History<B>,
+}
+
+impl<B: Backend> Shifted<B> {
+    fn new(backend: &B, n_free: u32) -> Self {
+        let vectors = || backend.filled(n_free as usize, Vec4::ZERO);
+        Self { anchors: vectors(), from: vectors(), history: History::new(backend, n_free, n_free) }
+    }
 }
 
 impl<B: Backend + 'static> Frame<B> {
@@ -130,7 +159,7 @@ impl<B: Backend + 'static> Frame<B> {
             anchor_weights: vec![0.0; layout.n_free],
             inverse_diagonal: vec![0.0; layout.n_free],
             holds: vectors(true),
-            anchors: vectors(true),
+            anchors: Anchors { own: vectors(true), shifted: None },
             motion: Motion::new(backend, model, &layout, n),
             history: History::new(backend, n, n_free),
             pulls: vectors(is_split),
@@ -179,19 +208,32 @@ impl<B: Backend + 'static> Frame<B> {
             self.find_blocks(backend, list);
         }
         let (rows, residuals) = (backend.view(&self.rows.rows), backend.view(&self.residuals));
+        let anchors = backend.view(self.anchors.seen());
         let (q, omega) = (&mut self.motion.q, &Omega { omega });
         let omega = self.watch.sweep(omega);
         if self.local == Local::Blocks {
-            let inputs = (rows, residuals, backend.view(&self.blocks));
+            let inputs = (rows, residuals, anchors, backend.view(&self.blocks));
             backend.map::<MoveByBlock>(list, omega, inputs, q);
         } else {
-            backend.map::<MoveByDiagonal>(list, omega, (rows, residuals), q);
+            backend.map::<MoveByDiagonal>(list, omega, (rows, residuals, anchors), q);
+        }
+    }
+
+    /// Projects contacts, whose forces shift the anchors that sweeps see.
+    fn relax_apart(&mut self, backend: &B, resists: Resists) {
+        let Some(Shifted { anchors, from, .. }) = &mut self.anchors.shifted else { return };
+        backend.map::<CopyVector>(&self.free, &(), (backend.view(&self.motion.q),), from);
+        self.motion.relax_contacts(backend, resists);
+        if let Some(contacts) = &self.motion.contacts {
+            let q = backend.view(&self.motion.q);
+            let inputs = (q, backend.view(from), backend.view(contacts.mobility(resists)));
+            backend.update::<ShiftAnchor>(&self.free, &(), inputs, anchors);
         }
     }
 
     fn linear_residuals(&mut self, backend: &B, list: &B::List) {
         let (rows, taps) = (backend.view(&self.rows.rows), backend.view(&self.rows.taps));
-        let (anchors, pulls) = (backend.view(&self.anchors), backend.view(&self.pulls));
+        let (anchors, pulls) = (backend.view(self.anchors.seen()), backend.view(&self.pulls));
         let inputs = (rows, taps, anchors, pulls, backend.view(&self.motion.q));
         backend.map::<LinearResidual>(list, &(), inputs, &mut self.residuals);
     }
@@ -199,7 +241,7 @@ impl<B: Backend + 'static> Frame<B> {
     fn fused_residuals(&mut self, backend: &B, list: &B::List) {
         let (rows, q) = (&self.rows, &self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let (pulls, anchors) = (backend.view(&rows.pulls), backend.view(&self.anchors));
+        let (pulls, anchors) = (backend.view(&rows.pulls), backend.view(self.anchors.seen()));
         let inputs = (of_rows, taps, pulls, anchors, backend.view(q));
         backend.map::<FusedResidual>(list, &(), inputs, &mut self.residuals);
         self.passes.iter().for_each(|pass| pass.pull_fused(backend, list, q, &mut self.residuals));
@@ -217,7 +259,7 @@ impl<B: Backend + 'static> Frame<B> {
     fn add_objective(&mut self, backend: &B) {
         let (rows, q) = (&self.rows, &self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let (springs, anchors) = (backend.view(&rows.springs), backend.view(&self.anchors));
+        let (springs, anchors) = (backend.view(&rows.springs), backend.view(&self.anchors.own));
         let inputs = (of_rows, taps, springs, anchors, backend.view(q));
         backend.map::<RowEnergy>(&self.free, &(), inputs, &mut self.sums.numbers);
         self.sums.add(backend, self.n_free);
@@ -226,7 +268,7 @@ impl<B: Backend + 'static> Frame<B> {
             self.sums.add(backend, pass.len());
         }
         if let Some(contacts) = &self.motion.contacts {
-            contacts.add_energy(backend, self.h, q, &mut self.sums);
+            contacts.add_energy(backend, Resists::Vertex, 1.0, q, &mut self.sums);
         }
     }
 
@@ -262,7 +304,8 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         Ok(())
     }
 
-    fn recolor(&mut self, backend: &B) {
+    fn begin_frame(&mut self, backend: &B) {
+        self.motion.begin_frame(backend);
         if let Some(recolor) = &mut self.recolor {
             // What they hold goes to those that come.
             self.colors.clear();
@@ -303,11 +346,16 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
             weigh(h, &self.masses, &self.attachments, &self.rows_on_host, &self.layout, (weights, inverse))?;
             self.rows.set_inverse_diagonal(backend, &self.inverse_diagonal);
             let anchors: Vec<Vec4> = self.anchor_weights.iter().map(|&w| Vec3::ZERO.extend(w)).collect();
-            backend.write(&mut self.anchors, &anchors);
+            backend.write(&mut self.anchors.own, &anchors);
             self.h = h;
             self.are_targets_new = true;
             if let Some(contacts) = &mut self.motion.contacts {
-                contacts.set_diagonal(backend, &self.inverse_diagonal);
+                // As on the host: blocks and linear solvers resist along a normal with little more than inertia.
+                let is_scalar = self.local != Local::Blocks && self.conjugate_gradient.is_none();
+                let inertia = || self.anchor_weights.iter().map(|weight| 1.0 / weight).collect();
+                let mobility = if is_scalar { self.inverse_diagonal.clone() } else { inertia() };
+                contacts.set_mobility(backend, Resists::Vertex, mobility);
+                contacts.set_mobility(backend, Resists::Inertia, inertia());
             }
         }
         if std::mem::take(&mut self.are_targets_new) {
@@ -332,7 +380,8 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn set_collisions(&mut self, backend: &B, detector: Option<&Detector>) -> Result<(), SolverError> {
         self.motion.set_collisions(backend, &self.layout, detector)?;
-        // Contacts have to be told the diagonal.
+        self.anchors.shifted = detector.map(|_| Shifted::new(backend, self.n_free));
+        // Contacts have to be told what vertices resist with.
         self.h = 0.0;
         self.fit_sums(backend);
         Ok(())
@@ -348,15 +397,22 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.sums = Sums::new(backend, &all);
     }
 
-    /// As on the host in small steps: an iteration ends with its contacts, whatever its sweeps have done.
+    fn meet(&mut self, backend: &B) {
+        self.relax_apart(backend, Resists::Inertia);
+    }
+
     fn touch(&mut self, backend: &B) {
-        self.motion.relax_contacts(backend);
+        self.relax_apart(backend, Resists::Vertex);
     }
 
     /// Makes anchors of what was predicted.
     fn begin(&mut self, backend: &B, _: f32) {
         let inputs = (backend.view(&self.motion.q), backend.view(&self.holds));
-        backend.map::<Anchor>(&self.free, &(), inputs, &mut self.anchors);
+        let Anchors { own, shifted } = &mut self.anchors;
+        backend.map::<Anchor>(&self.free, &(), inputs, own);
+        if let Some(Shifted { anchors, .. }) = shifted {
+            backend.map::<CopyVector>(&self.free, &(), (backend.view(own),), anchors);
+        }
         self.motion.contacts.iter_mut().for_each(|contacts| contacts.begin(backend));
         // All other relaxations remember before they extrapolate.
         if self.has_previous_in_place {
@@ -386,7 +442,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn relax_color(&mut self, backend: &B, color: usize, omega: f32) {
         let (rows, q) = (&self.rows, &mut self.motion.q);
         let (of_rows, taps) = (backend.view(&rows.rows), backend.view(&rows.taps));
-        let (anchors, list) = (backend.view(&self.anchors), &self.colors[color]);
+        let (anchors, list) = (backend.view(self.anchors.seen()), &self.colors[color]);
         let known = &Omega { omega };
         let params = self.watch.sweep(known);
         match self.local {
@@ -459,7 +515,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         let free = self.free.clone();
         self.linear_residuals(backend, &free);
         if let Some(solver) = &mut self.conjugate_gradient {
-            let system = (&self.rows, &self.anchors, &*self.colors);
+            let system = (&self.rows, self.anchors.seen(), &*self.colors);
             let (residuals, q) = (&mut self.residuals, &mut self.motion.q);
             solver.solve(backend, system, preconditioner, inner, residuals, q);
         }
@@ -477,6 +533,10 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.history.extrapolate(backend, &mut self.motion.q, self.watch.extrapolation(weight));
     }
 
+    fn is_lowered(&self) -> bool {
+        self.anchors.shifted.is_none()
+    }
+
     fn tolerated_rise(&self) -> f64 {
         TOLERATED_RISE
     }
@@ -484,17 +544,23 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn save(&mut self, backend: &B) {
         self.history.save(backend, &self.motion.q);
         self.motion.contacts.iter_mut().for_each(|contacts| contacts.save(backend));
+        self.anchors.shifted.iter_mut().for_each(|shifted| shifted.history.save(backend, &shifted.anchors));
     }
 
     fn restore(&mut self, backend: &B) {
         self.history.restore(backend, &mut self.motion.q);
         self.motion.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
+        self.anchors
+            .shifted
+            .iter_mut()
+            .for_each(|shifted| shifted.history.restore(backend, &mut shifted.anchors));
     }
 
-    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
-        self.watch.begin(backend, of, ease, 0.0, |omega| Omega { omega });
-        self.save(backend);
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease, rounding: f64) {
+        self.watch.begin(backend, of, ease, rounding, 0.0, |omega| Omega { omega });
         self.look(backend, 0, false);
+        self.meet(backend);
+        self.save(backend);
     }
 
     fn turn(&mut self, k: u32) {
@@ -503,11 +569,15 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn look(&mut self, backend: &B, k: u32, is_last: bool) {
         self.add_objective(backend);
-        let rise = self.tolerated_rise();
+        let rise = (self.tolerated_rise(), self.is_lowered());
         self.watch.look(backend, &mut self.sums, k, is_last, rise);
         if k > 0 {
             self.history.follow(backend, self.watch.known(), &mut self.motion.q);
-            self.motion.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, self.watch.known()));
+            let known = self.watch.known();
+            self.motion.contacts.iter_mut().for_each(|contacts| contacts.follow(backend, known));
+            if let Some(Shifted { anchors, history, .. }) = &mut self.anchors.shifted {
+                history.follow(backend, known, anchors);
+            }
         }
     }
 

@@ -35,7 +35,6 @@ use vivace_kernels::Backend;
 use vivace_model::{Forces, Model, State};
 
 use crate::collisions::Collisions;
-use crate::contacts::SmallStep;
 use crate::engine::Engine;
 use crate::{
     ContactReport, Ease, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages, StepReport,
@@ -69,7 +68,7 @@ trait Solve<B: Backend>: Send {
         1
     }
     fn set_recoloring(&mut self, backend: &B, recoloring: Option<Vivace>) -> Result<(), SolverError>;
-    fn recolor(&mut self, backend: &B);
+    fn begin_frame(&mut self, backend: &B);
     fn set_attachment_target(&mut self, idx: usize, target: Vec3);
     /// Takes the attachments of `model`, of which nothing else has changed; `false` where that has to be made anew.
     fn set_attachments(&mut self, _model: &Model) -> bool {
@@ -95,7 +94,11 @@ trait Solve<B: Backend>: Send {
         Ok(())
     }
     fn relax_contacts(&mut self, _: &B) {}
+    fn meet(&mut self, _: &B) {}
     fn touch(&mut self, _: &B) {}
+    fn is_lowered(&self) -> bool {
+        true
+    }
     /// What contacts did in the step; whether some found no room, and there is more now.
     fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
         let (motion, sums) = self.motion();
@@ -124,7 +127,7 @@ trait Solve<B: Backend>: Send {
     fn wait(&mut self, backend: &B);
     fn save(&mut self, backend: &B);
     fn restore(&mut self, backend: &B);
-    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease);
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease, rounding: f64);
     fn turn(&mut self, k: u32);
     fn look(&mut self, backend: &B, k: u32, is_last: bool);
     fn learn(&mut self, backend: &B, ease: &mut Ease, report: &mut StepReport);
@@ -232,9 +235,9 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         Ok(())
     }
 
-    fn recolor(&mut self) {
+    fn begin_frame(&mut self) {
         let Device { backend, frame } = self.device();
-        frame.recolor(backend);
+        frame.begin_frame(backend);
     }
 
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
@@ -282,30 +285,16 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         _: &mut ContactReport,
     ) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        frame.detect(backend, collisions.obstacles())
+        frame.detect(backend, collisions.moving())
     }
 
-    fn take_contacts(
-        &mut self,
-        _: &Model,
-        _: &Collisions,
-        small: SmallStep,
-        _: &mut ContactReport,
-    ) -> Result<(), SolverError> {
-        let Device { backend, frame } = self.device();
-        frame.motion().0.take_contacts(backend, small);
-        Ok(())
+    fn take_contacts(&mut self, _: &Collisions, _: f32, _: &mut ContactReport) {
+        self.device().frame.motion().0.take_contacts();
     }
 
-    fn guard(
-        &mut self,
-        _: &mut Collisions,
-        forces: &Forces,
-        h: f32,
-        _: &mut ContactReport,
-    ) -> Result<(), SolverError> {
+    fn guard(&mut self, _: &mut Collisions, _: &mut ContactReport) -> Result<(), SolverError> {
         let Device { backend, frame } = self.device();
-        frame.motion().0.guard(backend, forces, h);
+        frame.motion().0.guard(backend);
         Ok(())
     }
 
@@ -382,6 +371,10 @@ impl<B: Backend + 'static> Stages for Device<B> {
     // `check` does not let it come here.
     fn solve_directly(&mut self) {}
 
+    fn meet(&mut self) {
+        self.frame.meet(&self.backend);
+    }
+
     fn touch(&mut self) {
         self.frame.touch(&self.backend);
     }
@@ -400,6 +393,10 @@ impl<B: Backend + 'static> Stages for Device<B> {
 
     fn objective(&mut self) -> f64 {
         self.frame.objective(&self.backend)
+    }
+
+    fn is_lowered(&self) -> bool {
+        self.frame.is_lowered()
     }
 
     fn tolerated_rise(&self) -> f64 {
@@ -422,11 +419,11 @@ impl<B: Backend + 'static> Stages for Device<B> {
         self.frame.wait(&self.backend);
     }
 
-    fn watch(&mut self, relaxation: Relaxation, most: u32, ease: Ease) -> bool {
+    fn watch(&mut self, relaxation: Relaxation, most: u32, ease: Ease, rounding: f64) -> bool {
         // What goes one by one takes its parameters from the host.
         let decides = !matches!(relaxation, Relaxation::Lexicographic { .. }) && most <= MOST_UNSEEN;
         if decides {
-            self.frame.watch(&self.backend, (relaxation, most), ease);
+            self.frame.watch(&self.backend, (relaxation, most), ease, rounding);
         }
         decides
     }

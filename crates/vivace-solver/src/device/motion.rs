@@ -3,17 +3,15 @@
 use glam::{Vec3, Vec4};
 use vivace_collision::{Detector, Obstacle};
 use vivace_kernels::Backend;
-use vivace_kernels::collision::{HeldVelocity, HeldVelocityUniform};
 use vivace_kernels::step::{
-    Blow, BlowUniform, CopyVector, Place, Predict, PredictUniform, SetVector, SetVectorUniform,
-    UpdateVelocity, UpdateVelocityUniform,
+    Blow, BlowUniform, Place, Predict, PredictUniform, SetVector, SetVectorUniform, UpdateVelocity,
+    UpdateVelocityUniform,
 };
 use vivace_model::{Forces, Model, State, Wind};
 
-use super::collide::Collider;
+use super::collide::{Collider, Resists};
 use super::failure;
 use super::sums::Sums;
-use crate::contacts::SmallStep;
 use crate::host::check_end;
 use crate::pd::layout::Layout;
 use crate::{ContactReport, SolverError};
@@ -25,8 +23,6 @@ pub(super) struct Motion<B: Backend> {
     pub(super) q: B::Buffer<Vec4>,
     /// Those at the start of the (small) step \[m\].
     pub(super) before: B::Buffer<Vec4>,
-    /// Those at the start of the whole step, where contacts were looked for \[m\]. Made when they first are.
-    start: Option<B::Buffer<Vec4>>,
     /// Contacts, if there may be any.
     pub(super) contacts: Option<Collider<B>>,
     velocities: B::Buffer<Vec4>,
@@ -62,7 +58,6 @@ impl<B: Backend> Motion<B> {
             all: backend.range(0..n),
             q: zeros(),
             before: zeros(),
-            start: None,
             contacts: None,
             velocities: zeros(),
             accelerations: zeros(),
@@ -160,41 +155,33 @@ impl<B: Backend> Motion<B> {
         Ok(())
     }
 
-    /// Finds the contacts of the whole step, whose end has been predicted; whether there are other obstacles than before.
-    pub(super) fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<bool, SolverError> {
-        let Self { contacts: Some(contacts), start, before, q, all, inverse_masses, .. } = self else {
-            return Ok(false);
-        };
-        let start = start.get_or_insert_with(|| backend.filled(inverse_masses.len(), Vec4::ZERO));
-        backend.map::<CopyVector>(all, &(), (backend.view(before),), start);
-        contacts.detect(backend, before, q, obstacles)
+    /// A frame begins: what contacts do in it is counted anew.
+    pub(super) fn begin_frame(&mut self, backend: &B) {
+        self.contacts.iter_mut().for_each(|contacts| contacts.clear_counts(backend));
     }
 
-    /// Takes what was found for a small step.
-    pub(super) fn take_contacts(&mut self, backend: &B, small: SmallStep) {
-        if let Some(contacts) = &mut self.contacts {
-            contacts.take(backend, small, &self.before);
-        }
+    /// Finds the contacts of a (small) step, whose end has been predicted; whether there are other obstacles than before.
+    pub(super) fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<bool, SolverError> {
+        let Self { contacts, before, q, .. } = self;
+        contacts.as_mut().map_or(Ok(false), |contacts| contacts.detect(backend, before, q, obstacles))
+    }
+
+    /// Takes what was found.
+    pub(super) fn take_contacts(&mut self) {
+        self.contacts.iter_mut().for_each(Collider::take);
     }
 
     /// Projects all contacts.
-    pub(super) fn relax_contacts(&mut self, backend: &B) {
+    pub(super) fn relax_contacts(&mut self, backend: &B, resists: Resists) {
         if let Some(contacts) = &mut self.contacts {
-            contacts.relax(backend, &mut self.q);
+            contacts.relax(backend, resists, &mut self.q);
         }
     }
 
-    /// After all small steps of a step of `h` \[s\]: holds back what passes on its way from the start, to where it has come.
-    pub(super) fn guard(&mut self, backend: &B, forces: &Forces, h: f32) {
-        let Self { contacts: Some(contacts), start: Some(start), before, q, all, velocities, .. } = self
-        else {
-            return;
-        };
-        backend.map::<CopyVector>(all, &(), (backend.view(q),), before);
-        contacts.guard(backend, start, q);
-        let inputs = (backend.view(q), backend.view(before), backend.view(start));
-        let uniform = HeldVelocityUniform { scale: (-forces.damping * h).exp() / h };
-        backend.map::<HeldVelocity>(all, &uniform, inputs, velocities);
+    /// Holds back what passes through something on its way from the start of the (small) step to where it has come.
+    pub(super) fn guard(&mut self, backend: &B) {
+        let Self { contacts, before, q, .. } = self;
+        contacts.iter_mut().for_each(|contacts| contacts.guard(backend, before, q));
     }
 
     /// What contacts did in the step; whether some found no room, and there is more now.

@@ -10,7 +10,7 @@ use vivace_kernels::pbd::{Inertia, Residual, StepUniform};
 use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SetVector, SetVectorUniform, SquaredDistance};
 use vivace_model::{Forces, Model, State};
 
-use super::collide::Collider;
+use super::collide::{Collider, Resists};
 use super::history::History;
 use super::kind::{Found, Kind, Kinds};
 use super::motion::Motion;
@@ -95,7 +95,7 @@ impl<B: Backend + 'static> PositionBased<B> {
             kind.add_energy(backend, &motion.q, sums);
         }
         if let Some(contacts) = &motion.contacts {
-            contacts.add_energy(backend, self.squared_h.sqrt(), &motion.q, sums);
+            contacts.add_energy(backend, Resists::Inertia, self.squared_h, &motion.q, sums);
         }
     }
 
@@ -132,7 +132,9 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         recoloring.map_or(Ok(()), |_| Err(SolverError::NoRecoloring { why }))
     }
 
-    fn recolor(&mut self, _: &B) {}
+    fn begin_frame(&mut self, backend: &B) {
+        self.motion.begin_frame(backend);
+    }
 
     fn set_attachment_target(&mut self, idx: usize, target: Vec3) {
         self.kinds.iter_mut().for_each(|kind| kind.set_attachment_target(idx, target));
@@ -177,7 +179,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
     }
 
     fn relax_contacts(&mut self, backend: &B) {
-        self.motion.relax_contacts(backend);
+        self.motion.relax_contacts(backend, Resists::Inertia);
     }
 
     fn begin(&mut self, backend: &B, h: f32) {
@@ -303,11 +305,11 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.motion.contacts.iter_mut().for_each(|contacts| contacts.restore(backend));
     }
 
-    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease) {
+    fn watch(&mut self, backend: &B, of: (Relaxation, u32), ease: Ease, rounding: f64) {
         let squared_h = self.squared_h;
-        self.watch.begin(backend, of, ease, squared_h, |omega| Xpbd { squared_h, omega });
-        self.save(backend);
+        self.watch.begin(backend, of, ease, rounding, squared_h, |omega| Xpbd { squared_h, omega });
         self.look(backend, 0, false);
+        self.save(backend);
     }
 
     fn turn(&mut self, k: u32) {
@@ -316,7 +318,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
 
     fn look(&mut self, backend: &B, k: u32, is_last: bool) {
         self.add_objective(backend);
-        let rise = self.tolerated_rise();
+        let rise = (self.tolerated_rise(), self.is_lowered());
         self.watch.look(backend, &mut self.sums, k, is_last, rise);
         if k > 0 {
             self.history.follow(backend, self.watch.known(), &mut self.motion.q);

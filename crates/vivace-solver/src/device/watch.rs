@@ -26,6 +26,8 @@ pub(super) struct Watch<B: Backend, U: Weight> {
     /// Whether the device knows more than the host.
     is_ahead: bool,
     n_backoffs: u32,
+    /// What roundings may add to the objective \[J\].
+    rounding: f32,
     /// Iterations at the last look, and at the present; `None` while the host decides.
     turn: Option<[u32; 2]>,
 }
@@ -79,6 +81,7 @@ impl<B: Backend, U: Weight> Watch<B, U> {
             ease: Some(Ease::default()),
             is_ahead: false,
             n_backoffs: 0,
+            rounding: 0.0,
             turn: None,
         }
     }
@@ -94,9 +97,13 @@ impl<B: Backend, U: Weight> Watch<B, U> {
         backend: &B,
         (relaxation, most): (Relaxation, u32),
         ease: Ease,
+        rounding: f64,
         squared_h: f32,
         sweep: impl Fn(f32) -> U,
     ) {
+        #[expect(clippy::cast_possible_truncation, reason = "a small number")]
+        let rounding = rounding as f32;
+        self.rounding = rounding;
         let n = self.n.max(most as usize);
         let of = Some((relaxation, squared_h, ease.rho()));
         if self.of != of || n > self.n {
@@ -127,7 +134,7 @@ impl<B: Backend, U: Weight> Watch<B, U> {
         sums: &mut Sums<B>,
         k: u32,
         is_last: bool,
-        tolerated_rise: f64,
+        (tolerated_rise, is_lowered): (f64, bool),
     ) {
         let (sums, n_sums) = sums.fold(backend);
         #[expect(clippy::cast_possible_truncation, reason = "a small number")]
@@ -139,6 +146,8 @@ impl<B: Backend, U: Weight> Watch<B, U> {
             tolerated_rise,
             most: LARGEST,
             recovery: RECOVERY,
+            rounding: self.rounding,
+            is_lowered: is_lowered.into(),
         };
         backend.map::<Decide>(&self.one, &uniform, (backend.view(sums),), &mut self.known);
         self.turn = (!is_last).then_some([k, k]);

@@ -25,9 +25,7 @@ pub(crate) struct Contacts {
     colors: Vec<Range<usize>>,
     particles: Vec<[u32; 4]>,
     rest: Vec<Contact>,
-    /// Where each is among those that were found.
-    places: Vec<usize>,
-    /// Multipliers across the normal, and along it \[N s²\].
+    /// Multipliers across the normal, and along it: \[N s²\] with inverse masses, forces \[N\] with mobilities.
     lambdas: Vec<Vec4>,
     history: History<Vec4>,
     moves: Vec<[Vec4; 4]>,
@@ -36,12 +34,9 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
-    /// Takes those of a small step. `place` says where each of the model's particles is in `q`, which has the inverse masses.
-    pub(crate) fn set(&mut self, found: &Found<'_>, place: &impl Fn(u32) -> u32, q: &[Vec4]) {
-        if !found.is_new() {
-            self.rest.iter_mut().zip(&self.places).for_each(|(rest, &k)| found.renew(k, rest));
-            return;
-        }
+    /// Takes those of a (small) step. `place` says where each of the model's particles is in `q`, which has the inverse masses where
+    /// `squared_h` is the square of the step \[s²\], and mobilities \[m/N\] where it is 1.
+    pub(crate) fn set(&mut self, found: &Found<'_>, place: &impl Fn(u32) -> u32, q: &[Vec4], squared_h: f32) {
         let softness = |contact: &vivace_collision::Contact| -> f32 {
             let of = |(&p, &a): (&u32, &f32)| q[place(p) as usize].w * a * a;
             contact.particles.iter().zip(&contact.weights).map(of).sum()
@@ -60,12 +55,10 @@ impl Contacts {
         self.colors.extend(classes.offsets().windows(2).map(|ends| ends[0] as usize..ends[1] as usize));
         self.particles.clear();
         self.rest.clear();
-        self.places.clear();
         for &k in classes.items() {
             let (k, softness) = all[k as usize];
             self.particles.push(particles(k));
-            self.rest.push(found.rest(k, STIFFNESS / (softness * found.small.h * found.small.h)));
-            self.places.push(k);
+            self.rest.push(found.rest(k, STIFFNESS / (softness * squared_h)));
         }
         self.lambdas.clear();
         self.lambdas.resize(all.len(), Vec4::ZERO);
@@ -87,7 +80,7 @@ impl Contacts {
         self.history.begin(&self.lambdas);
     }
 
-    pub(super) fn history(&mut self) -> (&mut History<Vec4>, &mut [Vec4]) {
+    pub(crate) fn history(&mut self) -> (&mut History<Vec4>, &mut [Vec4]) {
         (&mut self.history, &mut self.lambdas)
     }
 
@@ -135,9 +128,9 @@ impl Contacts {
     }
 
     /// w C²/2 of all that are violated \[J\]; friction has no energy here.
-    pub(super) fn energy(&self, q: &[Vec4]) -> f64 {
+    pub(crate) fn energy(&self, at: &(impl Fn(u32) -> Vec3 + Sync)) -> f64 {
         sum(0..self.rest.len(), &|k: usize| {
-            let (c, _) = self.rest[k].deviation(&corners(&self.particles[k], q));
+            let (c, _) = self.rest[k].deviation(&self.particles[k].map(at));
             0.5 * f64::from(self.rest[k].weight()) * f64::from(c) * f64::from(c)
         })
     }
@@ -168,7 +161,7 @@ fn corners(particles: &[u32; 4], q: &[Vec4]) -> [Vec3; 4] {
 fn correct(rest: &Contact, particles: &[u32; 4], xpbd: &Xpbd, q: &[Vec4], lambda: &mut Vec4) -> [Vec4; 4] {
     let w: [f32; 4] = std::array::from_fn(|slot| q[particles[slot] as usize].w * rest.weights[slot]);
     let softness: f32 = w.iter().zip(rest.weights.to_array()).map(|(w, a)| w * a).sum();
-    let compliance = 1.0 / (rest.stiffness * xpbd.squared_h);
+    let compliance = softness / STIFFNESS;
     let scale = 1.0 / (softness + compliance);
     // Beyond the surface there is nothing to be gained.
     let omega = xpbd.omega.min(1.0);

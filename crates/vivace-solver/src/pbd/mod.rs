@@ -17,7 +17,7 @@ use glam::{Vec3, Vec4};
 use vivace_kernels::constraint::Xpbd;
 use vivace_model::Model;
 
-use crate::contacts::{Change, Found};
+use crate::contacts::Found;
 use crate::history::History;
 use crate::host::Solve;
 use crate::parallel::sum;
@@ -125,11 +125,11 @@ impl Solve for PositionBased {
         Ok(())
     }
 
-    fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {
-        self.contacts.set(found, &|p| p, &self.q);
+    fn set_contacts(&mut self, found: &Found<'_>) -> usize {
+        self.contacts.set(found, &|p| p, &self.q, found.h * found.h);
         self.counts.copy_from_slice(&self.own_counts);
         self.contacts.count(&self.q, &mut self.counts);
-        Ok(Change::default())
+        self.contacts.n_colors()
     }
 
     fn begin(&mut self, h: f32, predicted: &[Vec3]) {
@@ -234,7 +234,11 @@ impl Stages for PositionBased {
         };
         let inertia = sum(0..self.q.len(), &of);
         let kinds = inertia + self.kinds.iter().map(|kind| kind.energy(&self.q)).sum::<f64>();
-        if self.contacts.is_empty() { kinds } else { kinds + self.contacts.energy(&self.q) }
+        if self.contacts.is_empty() {
+            kinds
+        } else {
+            kinds + self.contacts.energy(&|p| self.q[p as usize].truncate())
+        }
     }
 
     fn tolerated_rise(&self) -> f64 {

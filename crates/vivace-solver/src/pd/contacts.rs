@@ -1,191 +1,157 @@
-//! The contacts of a frame in Projective Dynamics.
+//! Contacts in Projective Dynamics: constraints of XPBD, projected after each iteration.
 //!
-//! They are entries of Y like any other constraint, w a², but are projected from the latest positions whenever a vertex is relaxed,
-//! wherever the other projections are: a gap closes and opens within a few sweeps. And a vertex that has one is solved with a block of
-//! its own: along the normal stiff, across it no stiffer than friction makes it.
+//! A sweep resists a push on vertex i by the diagonal of Y as if its neighbors stood still, so between sweeps one over that is its
+//! inverse mass; a linear solver moves all with it, and what is left is inertia. What contacts moved a vertex by, times what it resists
+//! with, is their force: sweeps see it as a shift of the vertex's anchor. So neither coloring nor rows nor factor of Y know a contact,
+//! and where nothing moves any more, forces are in balance and friction is within Coulomb's cone.
 
-use glam::{Mat3, Vec3};
-use vivace_kernels::constraint::{Constraint, Contact};
+use glam::{Vec3, Vec3A, Vec4};
+use vivace_kernels::constraint::Xpbd;
+use wide::f32x8;
 
-use super::points::Points;
-use super::slices::Slices;
-use crate::contacts::{DELAY, Found, STIFFNESS};
-use crate::parallel::sum;
+use super::points::{Points, load};
+use crate::contacts::Found;
+use crate::history::History;
+use crate::pbd::contacts::Contacts;
 
-/// Contacts, and who has them.
+/// Contacts, the particles that have some, and the anchors of all vertices as contacts shift them. Nothing until there are any.
 #[derive(Debug, Default)]
-pub(super) struct Contacts {
-    particles: Vec<[u32; 4]>,
-    rest: Vec<Contact>,
-    /// Where each is among those that were found.
-    places: Vec<usize>,
-    /// Vertex to `contact · 4 + slot`.
-    offsets: Vec<u32>,
-    slots: Vec<u32>,
-    /// By slice: a bit for each lane whose vertex has contacts.
-    masks: Vec<u8>,
-    /// Sweeps since the step began.
-    n_sweeps: u32,
+pub(super) struct Touching {
+    contacts: Contacts,
+    /// By the solver's numbers.
+    particles: Vec<u32>,
+    /// Where they are \[m\], and by how much a force moves them \[m/N\].
+    q: Vec<Vec4>,
+    /// Of each of the model's particles, its place among these.
+    places: Vec<u32>,
+    /// By vertex: by how much it may be over-relaxed.
+    most: Vec<f32>,
+    anchors: Points,
+    history: History<f32>,
 }
 
-impl Contacts {
-    /// Takes those of a frame. `inverse_diagonal` is that of Y without them, of the free vertices \[m/N\].
-    pub(super) fn set(
-        &mut self,
-        found: &Found<'_>,
-        place: &[u32],
-        inverse_diagonal: &[f32],
-        slices: &Slices,
-    ) {
-        self.n_sweeps = 0;
-        if !found.is_new() {
-            self.rest.iter_mut().zip(&self.places).for_each(|(rest, &k)| found.renew(k, rest));
+const NONE: u32 = u32::MAX;
+/// Multipliers are forces.
+const FORCES: f32 = 1.0;
+
+impl Touching {
+    pub(super) fn is_empty(&self) -> bool {
+        self.contacts.is_empty()
+    }
+
+    /// ω of eight vertices from `first` on, of which those that contacts have moved are not over-relaxed: what lies on something would not
+    /// come to rest.
+    pub(super) fn weights(&self, first: usize, omega: f32) -> f32x8 {
+        load(&self.most, first).fast_min(f32x8::splat(omega))
+    }
+
+    /// Takes those of a (small) step. `place` has the solver's numbers, `mobility` one over what each free vertex resists with \[m/N\].
+    pub(super) fn set(&mut self, found: &Found<'_>, place: &[u32], mobility: &[f32]) {
+        if found.contacts.is_empty() && self.contacts.is_empty() {
             return;
         }
-        let n_free = inverse_diagonal.len();
+        if self.most.is_empty() {
+            self.most.resize(mobility.len(), f32::INFINITY);
+            self.anchors = Points::zeros(mobility.len());
+            self.history = History::new(self.anchors.data().len());
+        }
         self.particles.clear();
-        self.rest.clear();
+        self.q.clear();
         self.places.clear();
-        for k in 0..found.contacts.len() {
-            let particles = found.contacts[k].particles.map(|p| place[p as usize]);
-            let softness = |slot: usize| {
-                let squared = found.contacts[k].weights[slot] * found.contacts[k].weights[slot];
-                squared * inverse_diagonal.get(particles[slot] as usize).copied().unwrap_or(0.0)
-            };
-            let softness: f32 = (0..4).map(softness).sum();
-            // Between pinned particles nothing can be done.
-            if softness > 0.0 && (STIFFNESS / softness).is_finite() {
-                self.particles.push(particles);
-                self.rest.push(found.rest(k, STIFFNESS / softness));
-                self.places.push(k);
+        self.places.resize(place.len(), NONE);
+        for p in found.contacts.iter().flat_map(|contact| contact.particles) {
+            let (here, there) = (&mut self.places[p as usize], place[p as usize]);
+            if *here == NONE {
+                // Fewer than particles, which are 32-bit.
+                *here = u32::try_from(self.particles.len()).unwrap_or(NONE);
+                self.particles.push(there);
+                self.q.push(Vec3::ZERO.extend(mobility.get(there as usize).copied().unwrap_or(0.0)));
             }
         }
-        self.index(n_free);
-        self.masks.clear();
-        self.masks.resize(slices.slices.len(), 0);
-        for (slice, &(first, n)) in slices.slices.iter().enumerate() {
-            let bit =
-                |lane: usize| u8::from(self.offsets[first + lane] < self.offsets[first + lane + 1]) << lane;
-            self.masks[slice] = (0..n).map(bit).sum();
+        self.contacts.set(found, &|p| self.places[p as usize], &self.q, FORCES);
+    }
+
+    pub(super) fn n_colors(&self) -> usize {
+        self.contacts.n_colors()
+    }
+
+    /// A (small) step begins: nothing pushes yet.
+    pub(super) fn begin(&mut self, anchors: &Points) {
+        if !self.contacts.is_empty() {
+            self.contacts.begin();
+            self.anchors.clone_from(anchors);
+            self.most.fill(f32::INFINITY);
         }
     }
 
-    fn index(&mut self, n_free: usize) {
-        self.offsets.clear();
-        self.offsets.resize(n_free + 1, 0);
-        let all = (0..).zip(self.particles.iter().flatten());
-        let weight = |k: u32| self.rest[k as usize / 4].weights[k as usize % 4];
-        let members = all.filter(|&(k, &p)| (p as usize) < n_free && weight(k) != 0.0);
-        members.clone().for_each(|(_, &p)| self.offsets[p as usize + 1] += 1);
-        for vertex in 0..n_free {
-            self.offsets[vertex + 1] += self.offsets[vertex];
-        }
-        let mut next = self.offsets.clone();
-        self.slots.clear();
-        self.slots.resize(self.offsets[n_free] as usize, 0);
-        for (k, &p) in members {
-            self.slots[next[p as usize] as usize] = k;
-            next[p as usize] += 1;
+    /// Before the first iteration: projects each once where particles were predicted. What moves as a whole resists with its inertia alone; with
+    /// the diagonal of Y, what falls on something would be thrown back.
+    pub(super) fn meet(&mut self, anchor_weights: &[f32], q: &mut Points) {
+        if !self.contacts.is_empty() {
+            for (own, &p) in self.q.iter_mut().zip(&self.particles).filter(|(own, _)| own.w > 0.0) {
+                own.w = 1.0 / anchor_weights[p as usize];
+            }
+            self.project_all(anchor_weights, q);
         }
     }
 
-    /// None, for `n_free` vertices.
-    pub(super) fn none(n_free: usize, slices: &Slices) -> Self {
-        Self { offsets: vec![0; n_free + 1], masks: vec![0; slices.slices.len()], ..Self::default() }
+    /// The anchors that sweeps see, which without contacts are `anchors`.
+    pub(super) fn shifted<'a>(&'a self, anchors: &'a Points) -> &'a Points {
+        if self.contacts.is_empty() { anchors } else { &self.anchors }
     }
 
-    /// The vertices of each contact, also those of weight 0: where they are shows in the rounding.
-    pub(super) fn vertices(&self, n_free: usize) -> impl Iterator<Item = ([u32; 4], usize)> {
-        self.particles.iter().map(move |particles| {
-            let (mut vertices, mut n) = ([0; 4], 0);
-            for &p in particles {
-                if (p as usize) < n_free && !vertices[..n].contains(&p) {
-                    vertices[n] = p;
-                    n += 1;
+    /// After an iteration: projects each once; `mobility` as in [`Touching::set`].
+    pub(super) fn project(&mut self, mobility: &[f32], anchor_weights: &[f32], q: &mut Points) {
+        for (own, &p) in self.q.iter_mut().zip(&self.particles).filter(|(own, _)| own.w > 0.0) {
+            own.w = mobility[p as usize];
+        }
+        self.project_all(anchor_weights, q);
+    }
+
+    fn project_all(&mut self, anchor_weights: &[f32], q: &mut Points) {
+        if self.contacts.is_empty() {
+            return;
+        }
+        for (own, &p) in self.q.iter_mut().zip(&self.particles) {
+            *own = Vec3::from(q.get(p as usize)).extend(own.w);
+        }
+        let xpbd = Xpbd { squared_h: FORCES, omega: 1.0 };
+        for color in 0..self.contacts.n_colors() {
+            self.contacts.relax_color(color, &xpbd, &mut self.q);
+        }
+        for (own, &p) in self.q.iter().zip(&self.particles) {
+            if own.w > 0.0 {
+                let (p, to) = (p as usize, Vec3A::from(own.truncate()));
+                let moved = to - q.get(p);
+                if moved != Vec3A::ZERO {
+                    self.anchors.set(p, self.anchors.get(p) + moved / (own.w * anchor_weights[p]));
+                    self.most[p] = 1.0;
+                    q.set(p, to);
                 }
             }
-            (vertices, n)
-        })
+        }
     }
 
-    /// A bit for each lane of `slice` whose vertex has contacts.
-    #[inline]
-    pub(super) fn mask(&self, slice: usize) -> u8 {
-        self.masks[slice]
+    /// w d²/2 of all that are violated \[J\].
+    pub(super) fn energy(&self, q: &Points) -> f64 {
+        self.contacts.energy(&|p| q.get(self.particles[p as usize] as usize).into())
     }
 
-    /// Whether friction needs to be lagged.
-    pub(super) fn has_friction(&self) -> bool {
-        self.rest.iter().any(|rest| rest.friction > 0.0)
-    }
-
-    /// The local step of friction, before each sweep: how much it may hold.
-    pub(super) fn lag(&mut self, q: &Points) {
-        self.n_sweeps = self.n_sweeps.saturating_add(1);
-        if self.n_sweeps <= DELAY {
+    pub(super) fn save(&mut self) {
+        if self.contacts.is_empty() {
             return;
         }
-        for (particles, rest) in self.particles.iter().zip(&mut self.rest) {
-            if rest.friction > 0.0 {
-                let [aq] = rest.apply(&corners(particles, q));
-                rest.lag(aq);
-            }
+        let (history, lambdas) = self.contacts.history();
+        history.save(lambdas);
+        self.history.save(self.anchors.data());
+    }
+
+    pub(super) fn restore(&mut self) {
+        if self.contacts.is_empty() {
+            return;
         }
+        let (history, lambdas) = self.contacts.history();
+        history.restore(lambdas);
+        self.history.restore(self.anchors.data_mut());
     }
-
-    /// What contacts ask of `vertex` at q \[N\].
-    pub(super) fn pull(&self, vertex: usize, q: &Points) -> Vec3 {
-        let of = |(contact, slot): (usize, usize)| {
-            let rest = &self.rest[contact];
-            -rest.pull(slot, &rest.residual(&corners(&self.particles[contact], q)))
-        };
-        self.slots(vertex).map(of).sum()
-    }
-
-    /// By how much `vertex` moves \[m\] under `force` \[N\] and its contacts, with `block` \[N/m\] without them. Where all vertices move at
-    /// once, a contact counts for as much as all its particles may move it.
-    pub(super) fn solve(
-        &self,
-        vertex: usize,
-        q: &Points,
-        mut force: Vec3,
-        block: Mat3,
-        is_all_at_once: bool,
-    ) -> Vec3 {
-        let mut sum = block;
-        for (contact, slot) in self.slots(vertex) {
-            let rest = &self.rest[contact];
-            let [aq] = rest.apply(&corners(&self.particles[contact], q));
-            let (asked, along, across) = rest.act(slot, aq);
-            let others = if is_all_at_once {
-                rest.weights.abs().element_sum() / rest.weights[slot].abs()
-            } else {
-                1.0
-            };
-            let (n, along, across) = (rest.normal, (along - across) * others, across * others);
-            force += asked;
-            sum += Mat3::from_cols(n * (along * n.x), n * (along * n.y), n * (along * n.z));
-            sum += Mat3::from_diagonal(Vec3::splat(across));
-        }
-        // Scaled, so that no determinant leaves the range of numbers.
-        let scale = sum.x_axis.x.max(sum.y_axis.y).max(sum.z_axis.z);
-        let step = (sum * (1.0 / scale)).inverse() * (force / scale);
-        if step.is_finite() { step } else { force / scale }
-    }
-
-    /// Energy of all contacts \[J\].
-    pub(super) fn energy(&self, q: &Points) -> f64 {
-        let of = |k: usize| f64::from(self.rest[k].energy(&corners(&self.particles[k], q)));
-        sum(0..self.rest.len(), &of)
-    }
-
-    fn slots(&self, vertex: usize) -> impl Iterator<Item = (usize, usize)> {
-        let range = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;
-        self.slots[range].iter().map(|&k| (k as usize / 4, k as usize % 4))
-    }
-}
-
-#[inline]
-fn corners(particles: &[u32; 4], q: &Points) -> [Vec3; 4] {
-    particles.map(|p| q.get(p as usize).into())
 }

@@ -12,35 +12,29 @@ mod islands;
 pub(crate) mod layout;
 pub(crate) mod pass;
 mod points;
-mod projected;
 pub(crate) mod rows;
 mod slices;
 mod sweep;
 #[cfg(test)]
 mod tests;
-mod topology;
-mod touched;
 
 use glam::{Vec3, Vec3A};
 use vivace_model::Model;
 use wide::f32x8;
 
-use crate::contacts::{Change, ContactMemory, Found};
+use crate::contacts::Found;
 use crate::history::History;
 use crate::host::Solve;
 use crate::parallel::{Split, in_pieces, sum};
-use crate::{LocalStep, Preconditioner, Relaxation, SolverError, Stages, VertexSolve, pbd, stages};
-use contacts::Contacts;
+use crate::{LocalStep, Preconditioner, Relaxation, SolverError, Stages, VertexSolve};
+use contacts::Touching;
 use islands::Islands;
 use layout::Layout;
 use pass::{Pass, Passes};
 use points::{LANES, Lanes3, Points, PointsMut};
-use projected::Projected;
 use rows::Rows;
 use slices::Slices;
 use sweep::Vertices;
-use topology::Topology;
-use touched::Turn;
 
 /// A model prepared for Projective Dynamics, and the positions while a step is solved.
 #[derive(Debug)]
@@ -60,16 +54,15 @@ pub(crate) struct ProjectiveDynamics {
     h: f32,
     anchor_weights: Vec<f32>,
     inverse_diagonal: Vec<f32>,
+    /// One over what a sweep resists a push on each free vertex with \[m/N\].
+    mobility: Vec<f32>,
     #[cfg(feature = "direct")]
     factor: Option<direct::Factor>,
     is_direct: bool,
     /// Whether a linear solver takes the place of sweeps.
     is_linear: bool,
     conjugate_gradient: conjugate_gradient::ConjugateGradient,
-    /// Contacts, and the coloring with them; `None` until there are any.
-    contacts: Option<Box<(Contacts, Topology)>>,
-    /// Contacts that are apart from all else.
-    projected: Projected,
+    contacts: Touching,
     /// What hangs together by contacts; `None` until there are any.
     islands: Option<Box<Islands>>,
     // The frame.
@@ -174,13 +167,13 @@ impl ProjectiveDynamics {
             h: 0.0,
             anchor_weights: vec![0.0; n_free],
             inverse_diagonal: vec![0.0; n_free],
+            mobility: vec![0.0; n_free],
             #[cfg(feature = "direct")]
             factor: None,
             is_direct,
             is_linear: is_linear_solver,
             conjugate_gradient: conjugate_gradient::ConjugateGradient::default(),
-            contacts: None,
-            projected: Projected::default(),
+            contacts: Touching::default(),
             islands: None,
             anchors: Points::zeros(n_free),
             history: History::new(q.data().len()),
@@ -192,11 +185,22 @@ impl ProjectiveDynamics {
         })
     }
 
+    /// Takes what hangs together by contacts.
+    fn join_islands(&mut self, found: &Found<'_>) {
+        if found.contacts.is_empty() && self.islands.is_none() {
+            return;
+        }
+        let Self { islands, rows, attachments, layout, .. } = self;
+        let attached = attachments.iter().map(|attachment| attachment.0);
+        let islands = islands.get_or_insert_with(|| Box::new(Islands::new(rows, attached)));
+        islands.update(found.contacts.iter().map(|contact| layout.places(contact.particles)));
+    }
+
     fn vertices(&self) -> Vertices<'_> {
         Vertices {
             slices: &self.slices,
             anchor_weights: &self.anchor_weights,
-            anchors: &self.anchors,
+            anchors: self.contacts.shifted(&self.anchors),
             diagonal: &self.rows.diagonal,
             inverse_diagonal: &self.inverse_diagonal,
             passes: &self.passes,
@@ -205,18 +209,20 @@ impl ProjectiveDynamics {
 
     /// By how much the vertices of a slice move from `q`, over-relaxed by `omega` \[m\].
     #[inline]
-    fn step(&self, slice: usize, q: &Points, omega: f32, turn: Turn) -> Lanes3 {
+    fn step(&self, slice: usize, q: &Points, omega: f32) -> Lanes3 {
         let vertices = self.vertices();
         let residual = self.forces(slice, q);
         let step = match self.vertex {
             VertexSolve::Block if self.is_fused() => vertices.by_blocks(slice, q, residual),
             _ => vertices.by_diagonal(slice, residual),
         };
-        let step = step * f32x8::splat(omega);
-        if self.contacts.is_none() { step } else { self.with_contacts(slice, q, residual, step, omega, turn) }
+        if self.contacts.is_empty() || omega <= 1.0 {
+            return step * f32x8::splat(omega);
+        }
+        step * self.contacts.weights(self.slices.slices[slice].0, omega)
     }
 
-    /// `b − Y q` of the vertices of a slice without contacts \[N\].
+    /// `b − Y q` of the vertices of a slice \[N\].
     #[inline]
     fn forces(&self, slice: usize, q: &Points) -> Lanes3 {
         if self.is_fused() {
@@ -281,6 +287,12 @@ impl Solve for ProjectiveDynamics {
         self.h = 0.0;
         let (weights, inverse) = (&mut self.anchor_weights, &mut self.inverse_diagonal);
         weigh(h, &self.masses, &self.attachments, &self.rows, &self.layout, (weights, inverse))?;
+        if self.vertex == VertexSolve::Diagonal && !self.is_linear {
+            self.mobility.clone_from(inverse);
+        } else {
+            // Blocks and linear solvers resist along a normal with little more than inertia.
+            self.mobility.iter_mut().zip(weights).for_each(|(mobility, weight)| *mobility = 1.0 / *weight);
+        }
         if self.is_direct {
             #[cfg(feature = "direct")]
             {
@@ -307,23 +319,10 @@ impl Solve for ProjectiveDynamics {
         self.islands = None;
     }
 
-    fn set_contacts(&mut self, found: &Found<'_>) -> Result<Change, SolverError> {
-        if found.is_new() {
-            self.join_islands(found);
-        }
-        let is_projected = self.is_linear || found.small.n > 1;
-        let none = found.none();
-        let (projected, found) = if is_projected { (found, &none) } else { (&none, found) };
-        self.projected.set(projected, &self.layout.place);
-        self.take_contacts(found)
-    }
-
-    fn memory(&self) -> ContactMemory {
-        self.contact_memory()
-    }
-
-    fn set_memory(&mut self, memory: &ContactMemory) -> Result<(), SolverError> {
-        self.take_memory(memory)
+    fn set_contacts(&mut self, found: &Found<'_>) -> usize {
+        self.join_islands(found);
+        self.contacts.set(found, &self.layout.place, &self.mobility);
+        self.contacts.n_colors()
     }
 
     fn begin(&mut self, _: f32, predicted: &[Vec3]) {
@@ -342,6 +341,7 @@ impl Solve for ProjectiveDynamics {
             }
         }
         self.history.begin(self.q.data());
+        self.contacts.begin(&self.anchors);
     }
 
     fn end(&mut self, positions: &mut [Vec3]) {
@@ -356,8 +356,7 @@ impl Solve for ProjectiveDynamics {
 
 impl Stages for ProjectiveDynamics {
     fn n_colors(&self) -> u32 {
-        let of_classes = u32::try_from(self.layout.classes.len()).unwrap_or(u32::MAX);
-        self.contacts.as_ref().map_or(of_classes, |all| all.1.n_colors().max(of_classes))
+        u32::try_from(self.layout.classes.len()).unwrap_or(u32::MAX)
     }
 
     fn project(&mut self) {
@@ -390,26 +389,19 @@ impl Stages for ProjectiveDynamics {
 
     fn relax_color(&mut self, color: u32, omega: f32) {
         let color = color as usize;
-        if color == 0 {
-            self.lag();
-        }
-        if color >= self.layout.classes.len() {
-            self.relax_moved(color, omega);
-            return;
-        }
         if rayon::current_num_threads() == 1 {
             // No vertex of a color sees another: each may be written at once.
             let mut q = std::mem::take(&mut self.q);
             for slice in self.slices.colors[color].clone() {
                 let (first, n) = self.slices.slices[slice];
-                let step = self.step(slice, &q, omega, Turn::Class);
+                let step = self.step(slice, &q, omega);
                 q.store(first, n, q.lanes(first) + step);
             }
             self.q = q;
         } else {
             let mut relaxed = std::mem::take(&mut self.steps);
             self.of_color(color, &mut relaxed, |slice| {
-                self.q.lanes(self.slices.slices[slice].0) + self.step(slice, &self.q, omega, Turn::Class)
+                self.q.lanes(self.slices.slices[slice].0) + self.step(slice, &self.q, omega)
             });
             let range = self.layout.classes[color].clone();
             in_pieces(range.start, self.q.range_mut(range), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
@@ -417,22 +409,15 @@ impl Stages for ProjectiveDynamics {
             });
             self.steps = relaxed;
         }
-        self.relax_moved(color, omega);
     }
 
     fn relax_color_from_previous(&mut self, color: u32, omega: f32) {
         let color = color as usize;
-        if color == 0 {
-            self.lag();
-        }
         let mut steps = std::mem::take(&mut self.steps);
-        self.of_color(color, &mut steps, |slice| self.step(slice, &self.q, 1.0, Turn::Class));
-        for (&vertex, step) in self.moved_to(color).iter().zip(self.steps_of_moved(color, 1.0)) {
-            steps.set(vertex as usize, step);
-        }
+        self.of_color(color, &mut steps, |slice| self.step(slice, &self.q, 1.0));
         let (mut q, mut history) = (std::mem::take(&mut self.q), std::mem::take(&mut self.history));
         let stride = q.stride();
-        let mut extrapolate = |vertex: usize| {
+        for vertex in self.layout.classes[color].clone() {
             for (axis, steps) in steps.axes().into_iter().enumerate() {
                 let at = axis * stride + vertex;
                 let (q, previous) = (&mut q.data_mut()[at], &mut history.previous_mut()[at]);
@@ -440,18 +425,14 @@ impl Stages for ProjectiveDynamics {
                 *q = *previous + omega * (old + steps[vertex] - *previous);
                 *previous = old;
             }
-        };
-        let class = self.layout.classes.get(color).cloned().unwrap_or_default();
-        class.filter(|&vertex| !self.has_moved(vertex)).for_each(&mut extrapolate);
-        self.moved_to(color).iter().for_each(|&vertex| extrapolate(vertex as usize));
+        }
         (self.q, self.history) = (q, history);
         self.steps = steps;
     }
 
     fn relax_all(&mut self, omega: f32) {
-        self.lag();
         let mut steps = std::mem::take(&mut self.steps);
-        self.of_all(&mut steps, |slice| self.step(slice, &self.q, 1.0, Turn::All));
+        self.of_all(&mut steps, |slice| self.step(slice, &self.q, 1.0));
         let n_free = self.layout.n_free;
         in_pieces(0, self.q.range_mut(0..n_free), LARGE_GRAIN, &|first, mut q: PointsMut<'_>| {
             q.axpy(omega, first, &steps);
@@ -460,10 +441,11 @@ impl Stages for ProjectiveDynamics {
     }
 
     fn relax_in_order(&mut self, omega: f32) {
-        self.lag();
         for k in 0..self.in_order.len() {
             let i = self.in_order[k] as usize;
-            self.q.set(i, self.q.get(i) + self.step_of(i, omega));
+            let slice = self.slices.of_vertex(i);
+            let step = self.step(slice, &self.q, omega).to_array()[i - self.slices.slices[slice].0];
+            self.q.set(i, self.q.get(i) + step);
         }
     }
 
@@ -485,13 +467,16 @@ impl Stages for ProjectiveDynamics {
         }
     }
 
-    fn touch(&mut self) {
-        self.projected.project(self.h, &mut self.q);
+    fn meet(&mut self) {
+        self.contacts.meet(&self.anchor_weights, &mut self.q);
     }
 
-    fn tolerated_rise(&self) -> f64 {
-        // What is projected is no minimum.
-        if self.projected.is_empty() { stages::TOLERATED_RISE } else { pbd::TOLERATED_RISE }
+    fn touch(&mut self) {
+        self.contacts.project(&self.mobility, &self.anchor_weights, &mut self.q);
+    }
+
+    fn is_lowered(&self) -> bool {
+        self.contacts.is_empty()
     }
 
     fn remember(&mut self) {
@@ -511,34 +496,17 @@ impl Stages for ProjectiveDynamics {
     }
 
     fn objective(&mut self) -> f64 {
-        let vertices = self.vertices();
+        let vertices = Vertices { anchors: &self.anchors, ..self.vertices() };
         let rows = sum(0..self.slices.slices.len(), &|slice| vertices.objective(slice, &self.q));
         let passes = self.passes.iter().map(|pass| pass.energy(&self.q)).sum::<f64>();
-        let contacts = self.contacts.as_ref().map(|all| all.0.energy(&self.q));
-        contacts.map_or(rows + passes, |contacts| rows + passes + contacts)
-    }
-
-    fn objective_of_saved(&mut self) -> Option<f64> {
-        if !self.contacts.as_ref().is_some_and(|all| all.0.has_friction()) {
-            return None;
-        }
-        self.history.swap_saved(self.q.data_mut());
-        let objective = self.objective();
-        self.history.swap_saved(self.q.data_mut());
-        Some(objective)
+        rows + passes + self.contacts.energy(&self.q)
     }
 
     fn residual(&mut self) -> f64 {
         let vertices = self.vertices();
         let squared = |slice: usize| {
-            let mut residual = vertices.fused(slice, &self.q);
-            let (first, n) = self.slices.slices[slice];
-            if let Some(all) = &self.contacts {
-                let mut forces = residual.to_array();
-                let touched = (0..n).filter(|lane| all.0.mask(slice) >> lane & 1 == 1);
-                touched.for_each(|lane| forces[lane] += Vec3A::from(all.0.pull(first + lane, &self.q)));
-                residual = Lanes3::from_array(forces);
-            }
+            let residual = vertices.fused(slice, &self.q);
+            let n = self.slices.slices[slice].1;
             residual.dot(residual).to_array()[..n].iter().map(|&squared| f64::from(squared)).sum()
         };
         (sum(0..self.slices.slices.len(), &squared) / self.layout.n_free.max(1) as f64).sqrt()
@@ -546,9 +514,11 @@ impl Stages for ProjectiveDynamics {
 
     fn save(&mut self) {
         self.history.save(self.q.data());
+        self.contacts.save();
     }
 
     fn restore(&mut self) {
         self.history.restore(self.q.data_mut());
+        self.contacts.restore();
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! SSE2 or NEON by portable types: no dispatch at run time, and no fused multiply-add, so that every machine rounds alike.
 
-use glam::{Mat3, Vec3, Vec3A};
+use glam::{Mat3, Vec3A};
 use wide::f32x8;
 
 use super::pass::Pass;
@@ -145,17 +145,6 @@ impl Vertices<'_> {
             }));
         }
         blocks
-    }
-
-    /// [`Vertices::by_blocks`] solves with this, for one of the vertices \[N/m\].
-    pub(crate) fn block(&self, slice: usize, lane: usize, q: &Points) -> Mat3 {
-        let Blocks { diagonal, off } = self.blocks(slice, q);
-        let (d, off) = (diagonal.to_array()[lane], off.to_array()[lane]);
-        Mat3::from_cols(
-            Vec3::new(d.x, off.z, off.y),
-            Vec3::new(off.z, d.y, off.x),
-            Vec3::new(off.y, off.x, d.z),
-        )
     }
 
     /// Energy of the springs and flat hinges in the rows of `slice`, half of each entry, and of the inertia of its vertices \[J\].

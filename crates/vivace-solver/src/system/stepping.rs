@@ -5,15 +5,8 @@ use std::time::Instant;
 use vivace_model::{Forces, State, check_time_step};
 
 use super::System;
-use crate::contacts::{ContactMemory, SmallStep};
 use crate::step::{Ease, solve};
 use crate::{Budget, ContactReport, SolverError, StepReport};
-
-/// What a step that failed has to bring back.
-struct Before {
-    ease: Ease,
-    memory: Option<ContactMemory>,
-}
 
 impl System {
     /// Advances `state` by `h` \[s\]: Algorithm 1, once for each small step. On a device, `state` is written there unless it is the
@@ -31,28 +24,28 @@ impl System {
     ) -> Result<StepReport, SolverError> {
         let start = Instant::now();
         self.engine.stages().learn(&mut self.ease, &mut StepReport::default());
-        let before = self.before();
+        let ease = self.ease;
         check(forces, h, &budget)?;
         self.load(state)?;
-        let mut report = self.advance_from(start, forces, h, &budget, &before)?;
+        let mut report = self.advance_from(start, forces, h, &budget, ease)?;
         let mut finish_start = Instant::now();
         // Contacts that found no room are looked for again, with more: until there is as much as there may be.
         loop {
             match self.engine.report_contacts(&mut report.contacts) {
                 Ok(false) => break,
                 Ok(true) => {
-                    self.set_ease(before.ease);
+                    self.set_ease(ease);
                     self.engine.load(state);
-                    report = self.advance_from(start, forces, h, &budget, &before)?;
+                    report = self.advance_from(start, forces, h, &budget, ease)?;
                     finish_start = Instant::now();
                 }
-                Err(error) => return Err(self.undo(error, &before)),
+                Err(error) => return Err(self.undo(error, ease)),
             }
         }
         self.moves.clear();
         self.engine.stages().learn(&mut self.ease, &mut report);
         if let Err(error) = self.read(state) {
-            return Err(self.undo(error, &before));
+            return Err(self.undo(error, ease));
         }
         report.times.finish += finish_start.elapsed().as_secs_f64();
         Ok(report)
@@ -65,6 +58,7 @@ impl System {
     pub fn load(&mut self, state: &State) -> Result<(), SolverError> {
         state.check(&self.model)?;
         self.engine.load(state);
+        self.rounding.see(&state.positions);
         self.has_state = true;
         Ok(())
     }
@@ -78,9 +72,9 @@ impl System {
     /// A force, step or budget that cannot be simulated; there is no state: nothing has changed then. Contacts that cannot be found: another
     /// state has to be loaded.
     pub fn advance(&mut self, forces: &Forces, h: f32, budget: Budget) -> Result<StepReport, SolverError> {
-        let (start, before) = (Instant::now(), self.before());
+        let (start, ease) = (Instant::now(), self.ease);
         check(forces, h, &budget)?;
-        let report = self.advance_from(start, forces, h, &budget, &before)?;
+        let report = self.advance_from(start, forces, h, &budget, ease)?;
         self.moves.clear();
         Ok(report)
     }
@@ -116,7 +110,7 @@ impl System {
         forces: &Forces,
         h: f32,
         budget: &Budget,
-        before: &Before,
+        ease: Ease,
     ) -> Result<StepReport, SolverError> {
         if !self.has_state {
             return Err(SolverError::NoState);
@@ -125,10 +119,12 @@ impl System {
         let small_h = h / n_substeps as f32;
         let mut report = StepReport::default();
         self.engine.prepare(small_h)?;
-        self.engine.recolor();
+        self.engine.begin_frame();
         report.times.setup = start.elapsed().as_secs_f64();
-        if let Err(error) = self.substeps(forces, h, n_substeps, budget, start, &mut report) {
-            return Err(self.undo(error, before));
+        for k in 0..n_substeps {
+            let share = share_of(budget, k, n_substeps);
+            let done = self.substep(forces, small_h, [k, n_substeps], &share, start, &mut report);
+            done.map_err(|error| self.undo(error, ease))?;
         }
         let finish_start = Instant::now();
         if self.is_measuring {
@@ -141,51 +137,11 @@ impl System {
         Ok(report)
     }
 
-    /// What a step may change beside the state.
-    fn before(&self) -> Before {
-        Before { ease: self.ease, memory: self.collisions.is_some().then(|| self.engine.memory()) }
-    }
-
-    /// What comes back with `error`. The engine has no state any more.
-    fn undo(&mut self, error: SolverError, before: &Before) -> SolverError {
-        self.set_ease(before.ease);
+    /// The engine has no state any more, and acceleration is eased as before.
+    fn undo(&mut self, error: SolverError, ease: Ease) -> SolverError {
+        self.set_ease(ease);
         self.has_state = false;
-        let restored = before.memory.as_ref().map_or(Ok(()), |memory| self.engine.set_memory(memory));
-        restored.err().unwrap_or(error)
-    }
-
-    /// Algorithm 1 for each of `n` small steps; contacts are looked for before the first, and held to after the last.
-    fn substeps(
-        &mut self,
-        forces: &Forces,
-        h: f32,
-        n: u32,
-        budget: &Budget,
-        start: Instant,
-        report: &mut StepReport,
-    ) -> Result<(), SolverError> {
-        let predict_start = Instant::now();
-        if self.collisions.is_some() {
-            self.predict(forces, h, [0, 1]);
-        }
-        let detect_start = Instant::now();
-        report.times.predict += (detect_start - predict_start).as_secs_f64();
-        if let Some(collisions) = &mut self.collisions {
-            self.engine.detect(collisions, h, &mut report.contacts)?;
-            report.times.detect += detect_start.elapsed().as_secs_f64();
-        }
-        let small_h = h / n as f32;
-        for k in 0..n {
-            let share = share_of(budget, k, n);
-            let small = SmallStep { k, n, h: small_h };
-            self.substep(forces, small, &share, start, report)?;
-        }
-        if let Some(collisions) = &mut self.collisions {
-            let guard_start = Instant::now();
-            self.engine.guard(collisions, forces, h, &mut report.contacts)?;
-            report.times.guard += guard_start.elapsed().as_secs_f64();
-        }
-        Ok(())
+        error
     }
 
     /// Line 1, with pinned particles where they are led, after small step k of n.
@@ -198,40 +154,49 @@ impl System {
         }
     }
 
-    /// Algorithm 1.
+    /// Algorithm 1, for small step `k` of `n`, of `h` \[s\].
     fn substep(
         &mut self,
         forces: &Forces,
-        small: SmallStep,
+        h: f32,
+        [k, n]: [u32; 2],
         budget: &Budget,
         start: Instant,
         report: &mut StepReport,
     ) -> Result<(), SolverError> {
         let predict_start = Instant::now();
-        // That of a step which is one small step has been made for its contacts.
-        if self.collisions.is_none() || small.n > 1 {
-            self.predict(forces, small.h, [small.k, small.n]);
+        self.predict(forces, h, [k, n]);
+        let detect_start = Instant::now();
+        report.times.predict += (detect_start - predict_start).as_secs_f64();
+        if let Some(collisions) = &mut self.collisions {
+            collisions.enter(k, n)?;
+            self.engine.detect(collisions, h, &mut report.contacts)?;
+            report.times.detect += detect_start.elapsed().as_secs_f64();
         }
-        let estimate_start = Instant::now();
-        report.times.predict += (estimate_start - predict_start).as_secs_f64();
-        if self.ease.lacks_rho(self.solver.relaxation, small.h) {
-            self.engine.begin(small.h);
-            self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, small.h);
+        if self.ease.lacks_rho(self.solver.relaxation, h) {
+            let estimate_start = Instant::now();
+            self.engine.begin(h);
+            self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, h);
             report.times.setup += estimate_start.elapsed().as_secs_f64();
         }
-        let color_start = Instant::now();
         if let Some(collisions) = &self.collisions {
-            self.engine.take_contacts(&self.model, collisions, small, &mut report.contacts)?;
-            let seconds = color_start.elapsed().as_secs_f64();
-            // Later small steps have the same contacts, and color none.
-            *(if small.k == 0 { &mut report.times.color } else { &mut report.times.solve }) += seconds;
+            let color_start = Instant::now();
+            self.engine.take_contacts(collisions, h, &mut report.contacts);
+            report.times.color += color_start.elapsed().as_secs_f64();
         }
         let solve_start = Instant::now();
-        self.engine.begin(small.h);
-        solve(self.engine.stages(), &self.solver, budget, start, &mut self.ease, report);
+        self.engine.begin(h);
+        let rounding = self.rounding.of(h);
+        solve(self.engine.stages(), &self.solver, budget, rounding, start, &mut self.ease, report);
+        self.engine.end();
+        let guard_start = Instant::now();
+        report.times.solve += (guard_start - solve_start).as_secs_f64();
+        if let Some(collisions) = &mut self.collisions {
+            self.engine.guard(collisions, &mut report.contacts)?;
+            report.times.guard += guard_start.elapsed().as_secs_f64();
+        }
         let finish_start = Instant::now();
-        report.times.solve += (finish_start - solve_start).as_secs_f64();
-        self.engine.update_velocities(forces, small.h);
+        self.engine.update_velocities(forces, h);
         report.times.finish += finish_start.elapsed().as_secs_f64();
         Ok(())
     }

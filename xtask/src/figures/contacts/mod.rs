@@ -2,7 +2,7 @@
 //!
 //! The columns of the data (`figN` stands for each), a row for each frame: `scene`, `frame`, `time_ms` (the whole frame), and of it
 //! `detect_ms` (finding contacts), `color_ms` (contacts made constraints, colored), `solve_ms`, `guard_ms` (holding back what
-//! would pass); `contacts`; of the graph of vertices, beside the frame: `changed_edges`, `recolored` (vertices), `vertex_colors`,
+//! would pass); `contacts` (of the last small step); of the graph of vertices with these, beside the frame: `changed_edges`, `recolored` (vertices), `vertex_colors`,
 //! `recolor_ms` (the coloring follows), `color_anew_ms` (it is made anew); `colors` (of the solver), `iterations`, `held_back`
 //! (particles, by the guard);
 //! `deepest_mm` and `mean_depth_mm` (how much nearer than the thickness the contacts are at the end of the frame), `crossings` (pairs
@@ -101,7 +101,7 @@ fn falling(
     let played = played(context, scenario)?;
     context.progress.step("pictures");
     let caption = format!(
-        "{}: {}; h = {:.1} ms. {}, {} iterations a frame: a fixed number, not a time budget. Times are of {}: the solver alone, and the whole frame with collisions. Bodies keep {:.1} mm apart. XPBD colors its contacts as constraints; the graph of vertices, which Projective Dynamics sweeps over, is colored beside it with the same contacts.",
+        "{}: {}; h = {:.1} ms. {}, {} iterations a frame: a fixed number, not a time budget. Times are of {}: the solver alone, and the whole frame with collisions. Bodies keep {:.1} mm apart. Contacts are colored as constraints in every small step; the graph of vertices with the last of them as edges, which is what the paper recolors, is colored beside that.",
         played.name,
         played.contents,
         1e3 * played.time_step,

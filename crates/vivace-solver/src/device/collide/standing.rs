@@ -54,10 +54,10 @@ impl<B: Backend> Set<B> {
         backend: &B,
         list: &B::List,
         uniform: &HoldUniform,
-        inverse_masses: &B::Buffer<f32>,
+        mobility: &B::Buffer<f32>,
         q: &mut B::Buffer<Vec4>,
     ) {
-        let inputs = (backend.view(&self.contacts), backend.view(inverse_masses));
+        let inputs = (backend.view(&self.contacts), backend.view(mobility));
         backend.scatter::<Hold, 4>(list, uniform, inputs, q, &mut self.lambdas);
     }
 }
