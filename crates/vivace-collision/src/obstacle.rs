@@ -224,6 +224,18 @@ fn cuboid(point: Vec3, half_extent: Vec3) -> Seen {
 mod tests {
     use super::*;
 
+    /// Parts of a way are even, begin and end where it does, and follow one another.
+    #[test]
+    fn a_way_in_parts_is_the_way() {
+        let to = Pose { position: Vec3::new(4.0, -2.0, 1.0), rotation: Quat::from_rotation_y(1.0) };
+        let whole = Obstacle { to, ..Obstacle::fixed(Shape::Plane, Pose::at(Vec3::X), 0.5) };
+        assert_eq!(whole.during(0.0, 1.0), whole);
+        let [first, last] = [whole.during(0.0, 0.25), whole.during(0.25, 1.0)];
+        assert_eq!((first.from, first.to, last.to, first.friction), (whole.from, last.from, whole.to, 0.5));
+        assert!(first.to.position.distance(Vec3::new(1.75, -0.5, 0.25)) < 1e-6, "{first:?}");
+        assert!(first.to.rotation.angle_between(Quat::from_rotation_y(0.25)) < 1e-3, "{first:?}");
+    }
+
     #[test]
     fn distances_by_hand() {
         let cuboid = Shape::Cuboid { half_extent: Vec3::new(1.0, 2.0, 3.0) };

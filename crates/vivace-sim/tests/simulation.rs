@@ -223,11 +223,13 @@ fn a_moving_obstacle_carries() {
     let mut scene = vivace_sim::scene::drape(10);
     let collisions = scene.collisions.as_mut().unwrap();
     collisions.obstacles[0].velocity = Vec3::new(0.0, 0.5, 0.0);
-    let mut simulation = Simulation::new(&scene, Solver::default()).unwrap();
-    let mut report = simulation.step(Budget::iterations(20)).unwrap();
-    for _ in 0..60 {
-        report = simulation.step(Budget::iterations(20)).unwrap();
+    for substeps in [1, 4] {
+        let mut simulation = Simulation::new(&scene, Solver { substeps, ..Solver::default() }).unwrap();
+        let mut report = simulation.step(Budget::iterations(20)).unwrap();
+        for _ in 0..60 {
+            report = simulation.step(Budget::iterations(20)).unwrap();
+        }
+        let top = simulation.positions().iter().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max);
+        assert!(report.contacts.contacts > 0 && (top - 1.108).abs() < 0.06, "{substeps}: {top} {report:?}");
     }
-    let top = simulation.positions().iter().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max);
-    assert!(report.contacts.contacts > 0 && (top - 1.108).abs() < 0.06, "{top} {report:?}");
 }

@@ -176,6 +176,24 @@ fn acceleration_comes_back_from_nothing() {
     }
 }
 
+/// In free fall the objective is 0, and what is seen of it are roundings: no reason to ease, on the host or where kernels run.
+#[test]
+fn roundings_are_no_rise() {
+    for framework in [Framework::default(), Framework::FUSED, Framework::PositionBased] {
+        let (model, start) = free_cloth(17, 100.0, Some(1e-5)).build().unwrap();
+        let solver = Solver { framework, ..Solver::default() };
+        let systems = [System::new(model.clone(), solver), System::on(model, solver, vivace_cpu::Cpu::new())];
+        for (mut system, place) in systems.into_iter().map(Result::unwrap).zip(["host", "kernels"]) {
+            let mut state = start.clone();
+            for frame in 0..20 {
+                let budget = Budget::iterations(30);
+                let report = system.step(&mut state, &Forces::default(), STEP, budget).unwrap();
+                assert_eq!(report.backoffs, 0, "{framework:?}, {place}, frame {frame}");
+            }
+        }
+    }
+}
+
 /// XPBD comes to rest beside the minimum of the objective: the safeguard does not take that for divergence.
 #[test]
 fn over_relaxed_position_based_dynamics_keeps_its_acceleration() {

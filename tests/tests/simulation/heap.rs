@@ -48,6 +48,34 @@ fn a_pinched_cloth_is_lifted_off_the_heap() {
     assert!(after > before + 0.25, "{before} {after}");
 }
 
+/// Noodles that fall on one another do not jam: hardly any particle is held back, and no edge is stretched much.
+#[test]
+fn noodles_do_not_jam() {
+    for solver in [
+        Solver::default(),
+        Solver { substeps: 4, ..Solver::default() },
+        Solver { framework: Framework::PositionBased, substeps: 4, ..Solver::default() },
+    ] {
+        let mut simulation = Simulation::new(&noodles(2), solver).unwrap();
+        let (start, surface) = (simulation.positions().to_vec(), simulation.model().surface().to_vec());
+        let (mut held, mut contacts, mut stretch) = (0, 0, 0.0_f32);
+        for _ in 0..40 {
+            let report = simulation.step(Budget::iterations(16)).unwrap().contacts;
+            (held, contacts) = (held + report.held_back, contacts + report.contacts);
+            let length = |q: &[Vec3], a: u32, b: u32| q[a as usize].distance(q[b as usize]);
+            for [a, b, c] in &surface {
+                for (a, b) in [(a, b), (b, c), (c, a)] {
+                    let longer = length(simulation.positions(), *a, *b) / length(&start, *a, *b) - 1.0;
+                    stretch = stretch.max(longer);
+                }
+            }
+        }
+        println!("{solver:?}: {held} held back, {contacts} contacts, stretched by {stretch}");
+        assert!(contacts > 5000 && 100 * held < contacts, "{solver:?}: {held} of {contacts}");
+        assert!(stretch < 1.5, "{solver:?}: {stretch}");
+    }
+}
+
 /// At the end of each frame no edge crosses a triangle, in both frameworks and in all scenes that collide.
 #[test]
 fn nothing_crosses_at_the_end_of_a_frame() {
