@@ -15,7 +15,7 @@ pub struct Decide;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Watch {
-    /// Lowest objective of this small step, or the first \[J\].
+    /// Lowest objective of this small step \[J\].
     pub lowest: f32,
     /// That of the positions that were kept last \[J\].
     pub kept: f32,
@@ -51,8 +51,6 @@ pub struct DecideUniform {
     pub recovery: u32,
     /// What roundings may add to the objective \[J\].
     pub rounding: f32,
-    /// Whether each look is to find less than the last: 1 or 0.
-    pub is_lowered: u32,
 }
 
 impl Kernel for Decide {
@@ -79,9 +77,7 @@ impl Map for Decide {
         }
         let bound = watch.lowest + uniform.tolerated_rise * watch.lowest.abs() + uniform.rounding;
         if objective.is_finite() && !(objective > bound) {
-            if uniform.is_lowered == 1 {
-                watch.lowest = objective.min(watch.lowest);
-            }
+            watch.lowest = objective.min(watch.lowest);
             watch.kept = objective;
         } else {
             (watch.is_back, watch.has_backed_off, watch.began_at) = (1, 1, uniform.k);

@@ -8,7 +8,6 @@ struct Params {
     most: u32,
     recovery: u32,
     rounding: f32,
-    is_lowered: u32,
 }
 
 @group(0) @binding(3) var<uniform> params: Params;
@@ -34,9 +33,7 @@ fn map(i: u32) {
     // By its bits: what is not a number need not compare as one.
     let is_finite = (bitcast<u32>(objective) & 0x7f800000u) != 0x7f800000u;
     if is_finite && !(objective > bound) {
-        if params.is_lowered == 1u {
-            watch.lowest = min(objective, watch.lowest);
-        }
+        watch.lowest = min(objective, watch.lowest);
         watch.kept = objective;
     } else {
         watch.is_back = 1u;

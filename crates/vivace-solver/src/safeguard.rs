@@ -6,7 +6,7 @@ use crate::Stages;
 /// acceleration. Plain relaxations never raise it in Projective Dynamics, so easing ends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Safeguard {
-    /// Lowest objective seen, or the first, and that of the positions that were kept last \[J\].
+    /// Lowest objective seen, and that of the positions that were kept last \[J\].
     lowest: f64,
     kept: f64,
     /// What roundings may add to it \[J\].
@@ -59,9 +59,7 @@ impl Safeguard {
         let objective = stages.objective();
         // Not a number compares false: it is a rise.
         if objective <= self.lowest + stages.tolerated_rise() * self.lowest.abs() + self.rounding {
-            if stages.is_lowered() {
-                self.lowest = objective.min(self.lowest);
-            }
+            self.lowest = objective.min(self.lowest);
             self.kept = objective;
             stages.save();
             false

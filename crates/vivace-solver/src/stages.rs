@@ -65,12 +65,6 @@ pub(crate) trait Stages {
         TOLERATED_RISE
     }
 
-    /// Whether each iteration is to lower the objective. Contacts whose forces are found while it goes on make it rise on the way, but not beyond
-    /// what it began with: of that and the contacts' own energy the end is the minimum.
-    fn is_lowered(&self) -> bool {
-        true
-    }
-
     /// Root mean square of the objective's gradient over the free particles \[N\].
     fn residual(&mut self) -> f64;
 

@@ -244,7 +244,6 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
         most: 4,
         recovery: 6,
         rounding: 0.5,
-        is_lowered: 1,
     };
     let find = FindScalarsUniform { stage: 0, n_sums: data.n.min(step::BLOCK), squared_tolerance: 1.0 };
     let (scalars, pairs) = (backend.view(&on.scalars), backend.view(&on.pairs));
@@ -292,7 +291,6 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
         map!(CopyVectorWhere, &CopyVectorWhereUniform { is_back: 1 }, (backend.view(&on.watch), a), vectors),
         map!(Decide, &decide, (backend.view(&on.numbers),), &data.watches),
         map!(Decide, &DecideUniform { k: 0, ..decide }, (backend.view(&on.numbers),), &data.watches),
-        map!(Decide, &DecideUniform { is_lowered: 0, ..decide }, (backend.view(&on.numbers),), &data.watches),
         map!(Decide, &DecideUniform { is_last: 0, ..decide }, (backend.view(&on.numbers),), &data.watches),
         map!(Extrapolate, &ExtrapolateUniform { omega: 1.3 }, (a,), vectors),
         (Place::NAME, written(&on, vectors, |own| backend.update::<Place>(list, &(), (a,), own))?),

@@ -246,6 +246,59 @@ fn friction_holds_below_the_cone_and_slides_above_it() {
     }
 }
 
+/// Two ways to diverge are taken back at the same look, and an iteration without acceleration follows: that ends at the same positions, so the
+/// forces of contacts were taken back, too.
+pub(crate) fn takes_back_forces(make: Make) {
+    let scene = cloths(8, &[Pose::at(Vec3::new(0.0, 0.0101, 0.0))]);
+    let mut start = scene.1.clone();
+    let mut random = Random::new(4);
+    start.positions.iter_mut().for_each(|p| *p += 0.004 * (random.vector() * Vec3::new(1.0, 0.0, 1.0)));
+    let forces = Forces { gravity: Vec3::NEG_Y, ..NO_FORCE };
+    let ends = [1.9, 1.95].map(|omega| {
+        let relaxation = Relaxation::GaussSeidel { omega, base: Base::PreviousInPlace };
+        let solver = Solver { safeguard: true, ..plain(relaxation) };
+        let mut system = colliding(make, &scene, solver, options(0.5), &[floor(0.0, 0.5)]);
+        let mut state = start.clone();
+        let report = system.step(&mut state, &forces, H, Budget::iterations(9)).unwrap();
+        assert!(report.backoffs == 1 && report.contacts.contacts == 64, "{report:?}");
+        state
+    });
+    assert_eq!(ends[0], ends[1]);
+}
+
+#[test]
+fn forces_of_contacts_are_taken_back_with_what_they_did() {
+    takes_back_forces(on_host);
+}
+
+/// A cloth on a floor that is drawn away under it by 0.3 m/s: how far it goes in a second \[m\].
+pub(crate) fn carried(make: Make, solver: Solver) -> f32 {
+    let scene = cloths(4, &[Pose::at(Vec3::new(0.0, 0.0101, 0.0))]);
+    let at = |frame: u32| Pose::at(Vec3::new(0.3 * H * frame as f32, 0.0, 0.0));
+    let still = Obstacle::fixed(Shape::Plane, at(0), 0.9);
+    let mut system = colliding(make, &scene, solver, options(0.0), std::slice::from_ref(&still));
+    let mut state = scene.1.clone();
+    for frame in 0..60 {
+        let moving = Obstacle { from: at(frame), to: at(frame + 1), ..still.clone() };
+        system.collisions_mut().unwrap().obstacles_mut()[0] = moving;
+        system.step(&mut state, &Forces::default(), H, Budget::iterations(16)).unwrap();
+    }
+    let mean = |q: &[Vec3]| q.iter().map(|q| q.x).sum::<f32>() / q.len() as f32;
+    mean(&state.positions) - mean(&scene.1.positions)
+}
+
+/// In small steps an obstacle goes its way but once.
+#[test]
+fn friction_carries_as_fast_as_the_floor_goes() {
+    for framework in frameworks() {
+        for substeps in [1, 4] {
+            let solver = Solver { framework, substeps, ..Solver::default() };
+            let way = carried(on_host, solver);
+            assert!((way - 0.3).abs() < 0.01, "{solver:?}: {way} m");
+        }
+    }
+}
+
 /// Sheets thrown at sheets and at obstacles with up to 20 m/s, half a metre in a frame.
 #[test]
 fn nothing_passes_through() {

@@ -6,13 +6,13 @@ use vivace_model::{Forces, State};
 use vivace_solver::{
     Base, Budget, ContactReport, Framework, Preconditioner, Relaxation, Solver, SolverError, System,
 };
-use vivace_tests::scenes::{Scene, gauss_seidel, plain};
+use vivace_tests::scenes::{Scene, plain};
 
 use crate::NO_FORCE;
 use crate::common::Random;
 use crate::contacts::{
-    H, as_kernels, assert_clean, cloths, colliding, extent, fastest, floor, is_as_without_collisions,
-    momentum_lost, on_host, options, slid, sphere,
+    H, as_kernels, assert_clean, carried, cloths, colliding, extent, fastest, floor,
+    is_as_without_collisions, momentum_lost, on_host, options, slid, sphere, takes_back_forces,
 };
 
 const FRAMEWORKS: [Framework; 3] = [
@@ -255,6 +255,19 @@ fn room_grows_and_nothing_is_lost() {
 }
 
 #[test]
+fn forces_of_contacts_are_taken_back_with_what_they_did() {
+    takes_back_forces(as_kernels);
+}
+
+#[test]
+fn friction_carries_as_fast_as_the_floor_goes() {
+    for framework in FRAMEWORKS {
+        let way = carried(as_kernels, Solver { framework, substeps: 4, ..Solver::default() });
+        assert!((way - 0.3).abs() < 0.01, "{framework:?}: {way} m");
+    }
+}
+
+#[test]
 fn threads_do_not_show() {
     for framework in FRAMEWORKS {
         for relaxation in [
@@ -289,8 +302,7 @@ fn threads_do_not_show() {
 
 #[test]
 fn a_scene_without_contacts_is_as_it_was() {
-    // Without acceleration: the safeguard there cannot know that there are none.
-    let solver = |framework| Solver { framework, ..plain(gauss_seidel(1.0)) };
+    let solver = |framework| Solver { framework, ..Solver::default() };
     FRAMEWORKS.into_iter().for_each(|framework| is_as_without_collisions(as_kernels, solver(framework)));
 }
 

@@ -533,10 +533,6 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         self.history.extrapolate(backend, &mut self.motion.q, self.watch.extrapolation(weight));
     }
 
-    fn is_lowered(&self) -> bool {
-        self.anchors.shifted.is_none()
-    }
-
     fn tolerated_rise(&self) -> f64 {
         TOLERATED_RISE
     }
@@ -569,7 +565,7 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
 
     fn look(&mut self, backend: &B, k: u32, is_last: bool) {
         self.add_objective(backend);
-        let rise = (self.tolerated_rise(), self.is_lowered());
+        let rise = self.tolerated_rise();
         self.watch.look(backend, &mut self.sums, k, is_last, rise);
         if k > 0 {
             self.history.follow(backend, self.watch.known(), &mut self.motion.q);

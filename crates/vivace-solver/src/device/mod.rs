@@ -96,9 +96,6 @@ trait Solve<B: Backend>: Send {
     fn relax_contacts(&mut self, _: &B) {}
     fn meet(&mut self, _: &B) {}
     fn touch(&mut self, _: &B) {}
-    fn is_lowered(&self) -> bool {
-        true
-    }
     /// What contacts did in the step; whether some found no room, and there is more now.
     fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
         let (motion, sums) = self.motion();
@@ -393,10 +390,6 @@ impl<B: Backend + 'static> Stages for Device<B> {
 
     fn objective(&mut self) -> f64 {
         self.frame.objective(&self.backend)
-    }
-
-    fn is_lowered(&self) -> bool {
-        self.frame.is_lowered()
     }
 
     fn tolerated_rise(&self) -> f64 {

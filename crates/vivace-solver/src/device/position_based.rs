@@ -318,7 +318,7 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
 
     fn look(&mut self, backend: &B, k: u32, is_last: bool) {
         self.add_objective(backend);
-        let rise = (self.tolerated_rise(), self.is_lowered());
+        let rise = self.tolerated_rise();
         self.watch.look(backend, &mut self.sums, k, is_last, rise);
         if k > 0 {
             self.history.follow(backend, self.watch.known(), &mut self.motion.q);

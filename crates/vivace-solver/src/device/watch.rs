@@ -134,7 +134,7 @@ impl<B: Backend, U: Weight> Watch<B, U> {
         sums: &mut Sums<B>,
         k: u32,
         is_last: bool,
-        (tolerated_rise, is_lowered): (f64, bool),
+        tolerated_rise: f64,
     ) {
         let (sums, n_sums) = sums.fold(backend);
         #[expect(clippy::cast_possible_truncation, reason = "a small number")]
@@ -147,7 +147,6 @@ impl<B: Backend, U: Weight> Watch<B, U> {
             most: LARGEST,
             recovery: RECOVERY,
             rounding: self.rounding,
-            is_lowered: is_lowered.into(),
         };
         backend.map::<Decide>(&self.one, &uniform, (backend.view(sums),), &mut self.known);
         self.turn = (!is_last).then_some([k, k]);

@@ -475,10 +475,6 @@ impl Stages for ProjectiveDynamics {
         self.contacts.project(&self.mobility, &self.anchor_weights, &mut self.q);
     }
 
-    fn is_lowered(&self) -> bool {
-        self.contacts.is_empty()
-    }
-
     fn remember(&mut self) {
         self.history.remember(self.q.data());
     }
