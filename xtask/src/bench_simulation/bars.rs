@@ -251,19 +251,21 @@ impl Judge<'_> {
     /// Workload C.
     fn drapes(&mut self) {
         let drapes = self.measured.drapes;
+        let is_asked =
+            |one: &drape::Drape| [drape::DEFAULT, drape::RECOMMENDED].contains(&one.setting.as_str());
         for one in drapes {
             // 15 ms.
-            let is_asked = one.setting == drape::RECOMMENDED;
-            let asked = if is_asked { Asked::AtMost(167.0) } else { Asked::Nothing };
+            let asked = if is_asked(one) { Asked::AtMost(167.0) } else { Asked::Nothing };
             let bar = format!("C, a frame, {} ({:.2}% mean strain)", one.setting, 100.0 * one.strain);
             self.push_time(&bar, asked, &one.times);
         }
-        for one in drapes.iter().filter(|one| one.setting == drape::RECOMMENDED) {
+        for one in drapes.iter().filter(|one| is_asked(one)) {
             let of_most = Reading::one(one.times.ratio.quantile(0.95));
-            self.push("C, 95 of 100 frames take less than, over PLAIN", Asked::Nothing, &of_most);
+            let bar = format!("C, {}: 95 of 100 frames take less than, over PLAIN", one.setting);
+            self.push(&bar, Asked::Nothing, &of_most);
             // 0.5 ms.
-            let bar = "C, contacts made constraints, recoloring included";
-            self.push_time(bar, Asked::AtMost(5.6), one.coloring());
+            let bar = format!("C, {}: contacts made constraints, coloring included", one.setting);
+            self.push_time(&bar, Asked::AtMost(5.6), one.coloring());
         }
     }
 

@@ -15,6 +15,8 @@ use crate::report::{Table, Value};
 
 /// Phases of a frame.
 const PHASES: [&str; 6] = ["predict_ms", "detect_ms", "color_ms", "solve_ms", "guard_ms", "finish_ms"];
+/// The solver that a scene has if nothing is said.
+pub(super) const DEFAULT: &str = "PD SOR 1.9 split 8, 16 iterations (the default solver)";
 /// What is recommended for workload C: nothing jams, and the cloth keeps its length.
 pub(super) const RECOMMENDED: &str = "PD direct, 2 substeps of 2";
 
@@ -71,7 +73,7 @@ fn settings() -> [(&'static str, u32, Solver); 6] {
     let direct = Solver { relaxation: Relaxation::Direct, ..gauss_seidel(1.0) };
     let small = |solver: Solver, substeps: u32| Solver { substeps, ..solver };
     [
-        ("PD SOR 1.9 split 8, 16 iterations (the default solver)", 16, Solver::default()),
+        (DEFAULT, 16, Solver::default()),
         ("XPBD, 16 substeps of 1", 16, small(position_based(), 16)),
         ("XPBD, 8 substeps of 1", 8, small(position_based(), 8)),
         (RECOMMENDED, 4, small(direct, 2)),
