@@ -38,7 +38,7 @@ fn bars_and_tables_are_written() {
     }
     // Bars on one and on two threads, on all scenes.
     let asked = |row: &&Vec<Value>| row[1] != Value::from("");
-    assert_eq!(finished.bars.rows.iter().filter(asked).count(), 7 + 2 + 2 + 4 + 1 + 12 + 3);
+    assert_eq!(finished.bars.rows.iter().filter(asked).count(), 7 + 2 + 2 + 4 + 1 + 12 + 5);
     let has_rapier = cfg!(feature = "rapier");
     for row in finished.bars.rows.iter().filter(asked) {
         let is_known = has_rapier || !row[0].shown().contains("rapier3d");
