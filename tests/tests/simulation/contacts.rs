@@ -136,7 +136,7 @@ fn rests_on_a_sphere(solver: Solver) {
     let moved = crate::distance(&before, &state.positions);
     println!("{solver:?}: {} m/s, moved {moved} m, {:?}", fastest(&state), report.contacts);
     assert!(report.contacts.contacts > 30, "{solver:?}: {:?}", report.contacts);
-    assert!(fastest(&state) < 0.02 && moved < 0.01, "{solver:?}: {} m/s, {moved} m", fastest(&state));
+    assert!(fastest(&state) < 0.02 && moved < 0.005, "{solver:?}: {} m/s, {moved} m", fastest(&state));
     assert!(report.contacts.deepest < 0.001, "{solver:?}: {:?}", report.contacts);
     assert_clean(&scene.0, &state, &obstacles, "at rest");
 }
@@ -214,7 +214,8 @@ fn what_lies_on_a_held_cloth_is_held() {
     for framework in frameworks() {
         // All come to 0.041 m, some slowly.
         let (few, many) = (sag(framework, 30), sag(framework, 400));
-        assert!(few < 0.15, "{framework:?}: {few} m");
+        let most = if framework == Framework::PositionBased { 0.08 } else { 0.15 };
+        assert!(few < most, "{framework:?}: {few} m");
         assert!(many > 0.035 && many < 0.055, "{framework:?}: {many} m");
     }
 }

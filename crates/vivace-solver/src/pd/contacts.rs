@@ -79,7 +79,7 @@ impl Touching {
     pub(super) fn begin(&mut self, anchors: &Points) {
         if !self.contacts.is_empty() {
             self.contacts.begin();
-            self.anchors.clone_from(anchors);
+            self.anchors.data_mut().copy_from_slice(anchors.data());
             self.most.fill(f32::INFINITY);
         }
     }
