@@ -79,8 +79,7 @@ pub(crate) trait Engine: Debug + Send + Sync {
     /// After line 1: puts pinned particles elsewhere \[m\].
     fn place(&mut self, pins: &[(u32, Vec3)]);
 
-    /// Finds the contacts of the (small) step of `h` \[s\] from where it begins to what was predicted for its end; until
-    /// [`Engine::take_contacts`] there are none.
+    /// Finds the contacts of the (small) step of `h` \[s\] from where it begins to what was predicted for its end.
     ///
     /// # Errors
     /// Detection refuses what was predicted, or an obstacle.
@@ -91,8 +90,13 @@ pub(crate) trait Engine: Debug + Send + Sync {
         report: &mut ContactReport,
     ) -> Result<(), SolverError>;
 
-    /// Takes the contacts that were found.
-    fn take_contacts(&mut self, collisions: &Collisions, h: f32, report: &mut ContactReport);
+    /// Makes constraints of the contacts that were found, where that is apart from finding them.
+    fn take_contacts(&mut self, collisions: &Collisions, h: f32, report: &mut ContactReport) {
+        let _ = (collisions, h, report);
+    }
+
+    /// Forgets contacts, until there are others.
+    fn drop_contacts(&mut self);
 
     /// After line 8: holds back what has passed through something since the (small) step began.
     ///

@@ -18,6 +18,13 @@ impl<T: Copy + Default + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T
         Self { remembered: zeros(), previous: zeros(), saved: zeros(), is_extrapolated: false }
     }
 
+    /// Makes room for `n`.
+    pub(crate) fn fit(&mut self, n: usize) {
+        for values in [&mut self.remembered, &mut self.previous, &mut self.saved] {
+            values.resize(n, T::default());
+        }
+    }
+
     /// A step begins with `values`.
     pub(crate) fn begin(&mut self, values: &[T]) {
         self.previous.copy_from_slice(values);

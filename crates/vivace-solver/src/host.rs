@@ -148,12 +148,15 @@ impl Engine for Host {
         h: f32,
         report: &mut ContactReport,
     ) -> Result<(), SolverError> {
-        self.framework.set_contacts(&Found { contacts: &[], before: &self.before, h });
         collisions.detect(&self.before, &self.predicted, h, report)
     }
 
     fn take_contacts(&mut self, collisions: &Collisions, h: f32, report: &mut ContactReport) {
         report.colors = self.framework.set_contacts(&collisions.found(&self.before, h));
+    }
+
+    fn drop_contacts(&mut self) {
+        self.framework.set_contacts(&Found { contacts: &[], before: &self.before, h: 1.0 });
     }
 
     fn guard(&mut self, collisions: &mut Collisions, report: &mut ContactReport) -> Result<(), SolverError> {

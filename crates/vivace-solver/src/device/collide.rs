@@ -8,6 +8,7 @@
 //! constraints of XPBD, in both frameworks. In Projective Dynamics a sweep over the vertices knows nothing of them, and they put right what
 //! it did. So contacts change neither graph nor classes of the vertices; what is colored in each frame is their own graph.
 
+mod guard;
 mod standing;
 mod trees;
 
@@ -15,10 +16,9 @@ use glam::Vec4;
 use vivace_collision::{Detector, Obstacle, Options};
 use vivace_kernels::collision::{
     Bound, CHILDREN, ClaimColor, ClaimColorUniform, ClaimUniform, ContactDepth, ContactEnergy,
-    ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue, FindValueUniform, Hit,
-    HitUniform, HoldUniform, KeepOut, KeepThin, Meet, MeetSolid, N_COLORS, NO_COLOR, Push, PushUniform,
-    ReleaseColor, SettleColor, Shorten, ShortenUniform, Solid, SweptBox, SweptBoxUniform, Thin, Touch,
-    TouchUniform,
+    ContactEnergyUniform, Deepest, DrawColor, Drift, DriftUniform, FindValue, FindValueUniform, HoldUniform,
+    KeepThin, Meet, MeetSolid, N_COLORS, NO_COLOR, Push, PushUniform, ReleaseColor, SettleColor, Solid,
+    SweptBox, SweptBoxUniform, Thin, Touch, TouchUniform,
 };
 use vivace_kernels::coloring::{SetValue, SetValueUniform};
 use vivace_kernels::step::{ExtrapolateUniform, SetVector, SetVectorUniform, Watch};
@@ -47,17 +47,6 @@ const ENTRIES: usize = 8;
 /// Rounds of the coloring with a palette of colors, and palettes at most.
 const COLOR_ROUNDS: u32 = 16;
 const MOST_PALETTES: u32 = 4;
-/// Of the thickness, the gap that the guard leaves; of the distance at the start, the gap that is left at most.
-const GAP: f32 = 0.1;
-const GAP_OF_START: f32 = 0.8;
-/// Of the thickness: pairs nearer than that come no nearer at all.
-const FLOOR: f32 = 1e-3;
-/// What each round of the guard asks for less than the one before, so that it accepts what that one left.
-const LESS: f32 = 0.88;
-/// Rounds in which ways are shortened, and after that rounds in which particles that hit stay where they are.
-const SHORTENING_ROUNDS: u32 = 7;
-const STAYING_ROUNDS: u32 = 12;
-
 /// A surface, and what collides with it.
 pub(super) struct Collider<B: Backend> {
     options: Options,
@@ -88,8 +77,6 @@ pub(super) struct Collider<B: Backend> {
     solids: Vec<Standing<B>>,
     /// By how much multipliers move the particles, by [`Resists`]: inverse masses \[1/kg\], or one over what a vertex resists with \[m/N\].
     mobility: [B::Buffer<f32>; 2],
-    /// Whether the contacts that were found are those of the small step.
-    is_on: bool,
     parts: B::Buffer<u32>,
     no_items: B::Buffer<u32>,
     counts: Counts<B>,
@@ -186,7 +173,6 @@ impl<B: Backend> Collider<B> {
             classes: Vec::new(),
             solids: Vec::new(),
             mobility: [(); 2].map(|()| backend.upload(inverse_masses)),
-            is_on: false,
             parts: backend.filled(2 * place.len() + 1, u32::MAX),
             no_items: backend.filled(0, 0),
             counts: Counts {
@@ -294,7 +280,6 @@ impl<B: Backend> Collider<B> {
         let Counts { pairs, contacts, kept, outside, .. } = &mut self.counts;
         [pairs, contacts].into_iter().for_each(|counts| set(backend, 0..1, 0, counts));
         [kept, outside].into_iter().for_each(|counts| set(backend, 0..2, 0, counts));
-        self.is_on = false;
         let is_new = self.solids.len() != obstacles.len();
         self.solids.truncate(obstacles.len());
         while self.solids.len() < obstacles.len() {
@@ -417,9 +402,10 @@ impl<B: Backend> Collider<B> {
         }
     }
 
-    /// Takes what was found.
-    pub(super) fn take(&mut self) {
-        self.is_on = true;
+    /// Forgets what was found.
+    pub(super) fn drop_contacts(&mut self, backend: &B) {
+        self.classes.clear();
+        self.sets_mut().for_each(|set| set.list = backend.range(0..0));
     }
 
     /// Forgets the multipliers.
@@ -429,9 +415,6 @@ impl<B: Backend> Collider<B> {
 
     /// Projects all contacts.
     pub(super) fn relax(&mut self, backend: &B, resists: Resists, q: &mut B::Buffer<Vec4>) {
-        if !self.is_on {
-            return;
-        }
         let uniform = HoldUniform { compliance: pbd::CONTACT_STIFFNESS.recip() };
         let Self { solids, touching, classes, mobility, .. } = self;
         let mobility = &mobility[resists as usize];
@@ -497,54 +480,6 @@ impl<B: Backend> Collider<B> {
             push(touching, &list);
         }
         classes.iter().for_each(|class| push(touching, class));
-    }
-
-    /// Shortens the ways from `from` to `q` \[m\], taken as straight, so that nothing passes through.
-    pub(super) fn guard(&mut self, backend: &B, from: &B::Buffer<Vec4>, q: &mut B::Buffer<Vec4>) {
-        let (gap, n) = (GAP * self.options.thickness, self.n);
-        for Standing { solid, values, .. } in &self.solids {
-            let near = Solid { distance: gap, slides: 1, ..*solid };
-            let inputs = (backend.view(from), backend.view(values));
-            backend.map::<KeepOut>(&self.particles, &near, inputs, q);
-        }
-        if self.trees.meet.n_triangles > 0 {
-            let pairs = self.meet(backend, from, q, false, gap);
-            set(backend, 0..2 * n + 1, u32::MAX, &mut self.parts);
-            for round in 0..SHORTENING_ROUNDS + STAYING_ROUNDS {
-                self.hit(backend, &pairs, round, from, q);
-                let inputs = (backend.view(&self.parts), backend.view(from));
-                let uniform = ShortenUniform { gives_up: 0, n };
-                let mut others = self.particles.clone();
-                let shortened = backend.select::<Shorten>(&mut others, &uniform, inputs, q);
-                for Standing { solid, values, .. } in self.solids.iter().filter(|one| one.is_still()) {
-                    // Nearer than what slides along the surface comes.
-                    let near = Solid { distance: 0.5 * gap, ..*solid };
-                    let inputs = (backend.view(from), backend.view(values));
-                    backend.map::<KeepOut>(&shortened, &near, inputs, q);
-                }
-                set(backend, 0..n + 1, u32::MAX, &mut self.parts);
-            }
-            self.hit(backend, &pairs, SHORTENING_ROUNDS + STAYING_ROUNDS, from, q);
-            let inputs = (backend.view(&self.parts), backend.view(from));
-            let uniform = ShortenUniform { gives_up: 1, n };
-            backend.select::<Shorten>(&mut backend.all(n as usize), &uniform, inputs, q);
-            let (counts, no_items) = (&mut self.counts.held, &mut self.no_items);
-            count(backend, &backend.range(n + 1..2 * n + 1), 0, &self.parts, no_items, counts);
-        }
-    }
-
-    /// Finds what hits in a round of the guard.
-    fn hit(&mut self, backend: &B, pairs: &B::List, round: u32, from: &B::Buffer<Vec4>, q: &B::Buffer<Vec4>) {
-        let less = LESS.powi(round.min(SHORTENING_ROUNDS).cast_signed());
-        let uniform = HitUniform {
-            gap: GAP * self.options.thickness * less,
-            gap_of_start: GAP_OF_START * less,
-            floor: FLOOR * self.options.thickness,
-            stays: u32::from(round >= SHORTENING_ROUNDS),
-            n: self.n,
-        };
-        let inputs = (backend.view(&self.pairs), backend.view(from), backend.view(q));
-        backend.lower::<Hit, 9>(pairs, &uniform, inputs, &mut self.parts);
     }
 
     /// Reads what was counted since the step began, and the depths at `q` \[m\].

@@ -11,7 +11,7 @@ use vivace_kernels::pd::{
 use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SquaredDistance, SquaredLength};
 use vivace_model::{Forces, Model, State};
 
-use super::collide::{Collider, Resists};
+use super::collide::Resists;
 use super::conjugate_gradient::ConjugateGradient;
 use super::history::History;
 use super::motion::Motion;
@@ -387,14 +387,8 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
         Ok(())
     }
 
-    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>) {
-        (&mut self.motion, &mut self.sums)
-    }
-
-    fn fit_sums(&mut self, backend: &B) {
-        let groups = self.groups.iter().copied();
-        let all: Vec<u32> = groups.chain(self.motion.contacts.iter().flat_map(Collider::groups)).collect();
-        self.sums = Sums::new(backend, &all);
+    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>, &[u32]) {
+        (&mut self.motion, &mut self.sums, &self.groups)
     }
 
     fn meet(&mut self, backend: &B) {

@@ -39,6 +39,7 @@ use crate::engine::Engine;
 use crate::{
     ContactReport, Ease, Framework, Preconditioner, Relaxation, Solver, SolverError, Stages, StepReport,
 };
+use collide::Collider;
 use frame::Frame;
 use motion::Motion;
 use position_based::PositionBased;
@@ -83,10 +84,15 @@ trait Solve<B: Backend>: Send {
     fn has_contact_color(&self) -> bool {
         false
     }
-    /// What moves and collides, and the numbers that are added up of it.
-    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>);
+    /// What moves and collides, the numbers that are added up of it, and how many these are without contacts, group by group.
+    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>, &[u32]);
     /// Makes room for what is added up.
-    fn fit_sums(&mut self, backend: &B);
+    fn fit_sums(&mut self, backend: &B) {
+        let (motion, sums, groups) = self.motion();
+        let of_contacts = motion.contacts.iter().flat_map(Collider::groups);
+        let all: Vec<u32> = groups.iter().copied().chain(of_contacts).collect();
+        *sums = Sums::new(backend, &all);
+    }
     fn detect(&mut self, backend: &B, obstacles: &[Obstacle]) -> Result<(), SolverError> {
         if self.motion().0.detect(backend, obstacles)? {
             self.fit_sums(backend);
@@ -98,7 +104,7 @@ trait Solve<B: Backend>: Send {
     fn touch(&mut self, _: &B) {}
     /// What contacts did in the step; whether some found no room, and there is more now.
     fn report_contacts(&mut self, backend: &B, report: &mut ContactReport) -> Result<bool, SolverError> {
-        let (motion, sums) = self.motion();
+        let (motion, sums, _) = self.motion();
         let has_grown = motion.report_contacts(backend, sums, report)?;
         if has_grown {
             self.fit_sums(backend);
@@ -285,8 +291,9 @@ impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
         frame.detect(backend, collisions.moving())
     }
 
-    fn take_contacts(&mut self, _: &Collisions, _: f32, _: &mut ContactReport) {
-        self.device().frame.motion().0.take_contacts();
+    fn drop_contacts(&mut self) {
+        let Device { backend, frame } = self.device();
+        frame.motion().0.drop_contacts(backend);
     }
 
     fn guard(&mut self, _: &mut Collisions, _: &mut ContactReport) -> Result<(), SolverError> {

@@ -166,9 +166,9 @@ impl<B: Backend> Motion<B> {
         contacts.as_mut().map_or(Ok(false), |contacts| contacts.detect(backend, before, q, obstacles))
     }
 
-    /// Takes what was found.
-    pub(super) fn take_contacts(&mut self) {
-        self.contacts.iter_mut().for_each(Collider::take);
+    /// Forgets contacts, until there are others.
+    pub(super) fn drop_contacts(&mut self, backend: &B) {
+        self.contacts.iter_mut().for_each(|contacts| contacts.drop_contacts(backend));
     }
 
     /// Projects all contacts.

@@ -10,7 +10,7 @@ use vivace_kernels::pbd::{Inertia, Residual, StepUniform};
 use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SetVector, SetVectorUniform, SquaredDistance};
 use vivace_model::{Forces, Model, State};
 
-use super::collide::{Collider, Resists};
+use super::collide::Resists;
 use super::history::History;
 use super::kind::{Found, Kind, Kinds};
 use super::motion::Motion;
@@ -168,14 +168,8 @@ impl<B: Backend + 'static> Solve<B> for PositionBased<B> {
         self.motion.contacts.is_some()
     }
 
-    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>) {
-        (&mut self.motion, &mut self.sums)
-    }
-
-    fn fit_sums(&mut self, backend: &B) {
-        let groups = self.groups.iter().copied();
-        let all: Vec<u32> = groups.chain(self.motion.contacts.iter().flat_map(Collider::groups)).collect();
-        self.sums = Sums::new(backend, &all);
+    fn motion(&mut self) -> (&mut Motion<B>, &mut Sums<B>, &[u32]) {
+        (&mut self.motion, &mut self.sums, &self.groups)
     }
 
     fn relax_contacts(&mut self, backend: &B) {

@@ -63,7 +63,7 @@ impl Contacts {
         self.lambdas.clear();
         self.lambdas.resize(all.len(), Vec4::ZERO);
         self.moves.resize(all.len(), [Vec4::ZERO; 4]);
-        self.history = History::new(all.len());
+        self.history.fit(all.len());
     }
 
     pub(crate) fn n_colors(&self) -> usize {

@@ -166,21 +166,20 @@ impl System {
     ) -> Result<(), SolverError> {
         let predict_start = Instant::now();
         self.predict(forces, h, [k, n]);
-        let detect_start = Instant::now();
-        report.times.predict += (detect_start - predict_start).as_secs_f64();
-        if let Some(collisions) = &mut self.collisions {
-            collisions.enter(k, n)?;
-            self.engine.detect(collisions, h, &mut report.contacts)?;
-            report.times.detect += detect_start.elapsed().as_secs_f64();
-        }
+        report.times.predict += predict_start.elapsed().as_secs_f64();
         if self.ease.lacks_rho(self.solver.relaxation, h) {
             let estimate_start = Instant::now();
+            self.engine.drop_contacts();
             self.engine.begin(h);
             self.ease.estimate_rho(self.engine.stages(), self.solver.relaxation, h);
             report.times.setup += estimate_start.elapsed().as_secs_f64();
         }
-        if let Some(collisions) = &self.collisions {
+        if let Some(collisions) = &mut self.collisions {
+            let detect_start = Instant::now();
+            collisions.enter(k, n)?;
+            self.engine.detect(collisions, h, &mut report.contacts)?;
             let color_start = Instant::now();
+            report.times.detect += (color_start - detect_start).as_secs_f64();
             self.engine.take_contacts(collisions, h, &mut report.contacts);
             report.times.color += color_start.elapsed().as_secs_f64();
         }
