@@ -1,7 +1,7 @@
 //! Contacts of triangle surfaces with themselves and with obstacles, and a guard that lets nothing pass.
 //!
-//! A [`Detector`] is made once for a surface. In each frame, [`Detector::detect`] looks at the way of the particles from the
-//! start of the frame to where they are predicted, and lists [`Contact`]s: inequalities that a solver can hold.
+//! A [`Detector`] is made once for a surface. In each step, or small step, [`Detector::detect`] looks at the way of the particles
+//! from its start to where they are predicted, and lists [`Contact`]s: inequalities that a solver can hold.
 //! [`Detector::limit`] looks at the way to where they were solved, and shortens it where something would pass through. Lengths
 //! are in metres. Nothing here knows masses, constraints or solvers.
 

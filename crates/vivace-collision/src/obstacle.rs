@@ -85,15 +85,15 @@ pub enum Shape {
     Field(Arc<Field>),
 }
 
-/// A solid that the particles must stay out of. Over a frame it moves from one pose to another, and no particle's way in the
+/// A solid that the particles must stay out of. Over a step it moves from one pose to another, and no particle's way in the
 /// solid's own coordinates, taken as straight, may lead into it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
     /// The solid.
     pub shape: Shape,
-    /// Where it stands at the start of the frame.
+    /// Where it stands at the start of the step.
     pub from: Pose,
-    /// Where it stands at the end of the frame.
+    /// Where it stands at the end of the step.
     pub to: Pose,
     /// Coulomb's coefficient \[1\].
     pub friction: f32,
