@@ -13,6 +13,10 @@ use crate::proximity::Pair;
 pub(crate) const GAP: f32 = 0.1;
 /// Of the distance at the start, the gap that is left at most.
 const GAP_OF_START: f64 = 0.2;
+/// Of the thickness: what is pressed together for many frames comes no nearer. In `f32` its side would be lost, and it would hang together for good.
+const FLOOR: f64 = 2e-3;
+/// Of a gap, what counts as kept.
+const KEPT: f64 = 0.8;
 /// What each round asks for less than the one before, so that it accepts what that one left.
 const LESS: f64 = 0.7;
 /// Of the thickness, how far from its way a particle may be put to keep what it has in common with those around it.
@@ -117,7 +121,7 @@ fn find_hits(pieces: &mut [Piece], from: &[Vec3], to: &[Vec3], thickness: f32, r
     for_each(pieces, 1, &|_, Piece { points, edges, hits, .. }: &mut Piece| {
         hits.clear();
         for (pair, list) in [(Pair::PointTriangle, points), (Pair::EdgeEdge, edges)] {
-            let hit = |&ids: &[u32; 4]| Some((ids, hit(pair, ids, from, to, GAP * thickness, less)?));
+            let hit = |&ids: &[u32; 4]| Some((ids, hit(pair, ids, from, to, thickness, less)?));
             hits.extend(list.iter().filter_map(hit));
         }
     });
@@ -136,21 +140,24 @@ fn distance_to_segment(point: Vec3, a: Vec3, b: Vec3) -> f32 {
     (point - a - t * ab).length()
 }
 
-/// When a pair comes nearer than the gap \[m\].
-fn hit(pair: Pair, ids: [u32; 4], from: &[Vec3], to: &[Vec3], gap: f32, less: f64) -> Option<f32> {
+/// When a pair comes nearer than it may.
+fn hit(pair: Pair, ids: [u32; 4], from: &[Vec3], to: &[Vec3], thickness: f32, less: f64) -> Option<f32> {
     // Most pairs are candidates for contacts, and far from a hit.
-    if pair.is_clear(ids, from, to, gap) {
+    if pair.is_clear(ids, from, to, GAP * thickness) {
         return None;
     }
     let (start, end) = (points(from, ids), points(to, ids));
     let nearest = pair.nearest(&start);
     let apart = nearest.distance();
     let motion = Motion::new(pair, start, end);
-    let gap = less * f64::from(gap).min(GAP_OF_START * apart);
+    let floor = FLOOR * f64::from(thickness);
+    let gap = (less * f64::from(GAP * thickness).min(GAP_OF_START * apart)).max(floor);
+    let least = KEPT * if apart < KEPT * floor { apart } else { gap };
     // What touches at the start has no side to be kept on.
     if apart <= 0.0 || apart > gap + motion.speed || motion.speed == 0.0 {
         return None;
     }
+    motion.first_within(pair, least, (0.0, nearest))?;
     #[expect(clippy::cast_possible_truncation, reason = "rounded; the next round looks where that leads")]
     motion.first_within(pair, gap, (0.0, nearest)).map(|(time, _)| time as f32)
 }

@@ -132,6 +132,39 @@ fn layers_that_fall_together_go_on_falling() {
     assert_eq!(intersection(&to, &triangles), None);
 }
 
+/// Two layers that are thrown about and pressed together for a second keep a distance that `f32` can tell, and come off when they are
+/// let go.
+#[test]
+fn what_is_pressed_for_long_comes_off() {
+    let mut random = Random::new(7);
+    let (lower, triangles) = sheet(8, SPACING);
+    let upper: Vec<Vec3> = lower.iter().map(|p| *p + 0.001 * Vec3::Y).collect();
+    let (rest, triangles) = joined(&[(lower, triangles.clone()), (upper, triangles)]);
+    let mut detector = guard(&rest, &triangles);
+    let thickness = detector.options().thickness;
+    let mut q = rest.clone();
+    for _ in 0..60 {
+        let mut to: Vec<Vec3> = (0..q.len())
+            .map(|k| q[k] - if k >= 64 { 0.01 * Vec3::Y } else { Vec3::ZERO } + 0.003 * random.vector())
+            .collect();
+        detector.limit(&q, &mut to, &[]).unwrap();
+        q = to;
+    }
+    let options = Options { every_pair: true, ..*detector.options() };
+    let mut contacts = Vec::new();
+    Detector::new(&triangles, &rest, options).unwrap().detect(&q, &q, &[], 1.0, &mut contacts).unwrap();
+    let nearest = contacts.iter().map(|contact| contact.gap(&q) + contact.distance).fold(1.0, f32::min);
+    let floor = 0.002 * thickness;
+    assert!((0.79 * floor..2.0 * floor).contains(&nearest), "{nearest}, {floor}");
+
+    let ends: Vec<Vec3> =
+        (0..q.len()).map(|k| q[k] + if k >= 64 { 0.1 * Vec3::Y } else { Vec3::ZERO }).collect();
+    let mut to = ends.clone();
+    detector.limit(&q, &mut to, &[]).unwrap();
+    println!("{} of {}", ends.iter().zip(&to).filter(|(a, b)| a != b).count(), to.len());
+    assert_eq!(to, ends);
+}
+
 #[test]
 fn what_does_not_hit_goes_where_it_would() {
     let mut random = Random::new(5);
