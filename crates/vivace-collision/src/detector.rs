@@ -217,7 +217,8 @@ impl Detector {
         let (thinner, every_pair) = (&self.thinner, options.every_pair);
         for_each(&mut self.broad.pieces, 1, &|_, Piece { edges, contacts, .. }: &mut Piece| {
             contacts.clear();
-            let needed = edges.iter().filter(|&&ids| every_pair || !thinner.holds(ids));
+            let is_needed = |ids: [u32; 4]| every_pair || !(thinner.holds(ids) || frame.is_beside(ids));
+            let needed = edges.iter().filter(|&&ids| is_needed(ids));
             let found = needed.filter_map(|&ids| frame.contact(Pair::EdgeEdge, ids, options));
             contacts.extend(found.filter(|contact| every_pair || is_inside(contact)));
         });

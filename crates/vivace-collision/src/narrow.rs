@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use crate::contact::Contact;
 use crate::detector::Options;
 use crate::motion::Motion;
-use crate::proximity::{Nearest, Pair};
+use crate::proximity::{Nearest, Pair, nearest_of_lines};
 
 /// Of the distance that a pair has at rest, what it has to keep if that is less than the thickness.
 const KEPT_AT_REST: f64 = 0.5;
@@ -32,25 +32,42 @@ impl Frame<'_> {
     /// The contact of a pair if it comes near enough; its direction is from the time before it does, so from the side of the start.
     pub(crate) fn contact(&self, pair: Pair, ids: [u32; 4], options: &Options) -> Option<Contact> {
         let (thickness, margin) = (f64::from(options.thickness), f64::from(options.margin));
-        let mut reach = thickness + margin;
-        let (start, end) = (points(self.from, ids), points(self.to, ids));
-        let motion = Motion::new(pair, start, end);
-        let mut met = motion.first_within(pair, reach, (0.0, pair.nearest(&start)))?;
-
-        let at_rest = pair.nearest(&points(self.rest, ids)).distance();
+        let at_rest = self.at_rest(pair, ids, (thickness / KEPT_AT_REST).max(margin / MARGIN_AT_REST));
         let distance = thickness.min(KEPT_AT_REST * at_rest);
-        let near = distance + margin.min(MARGIN_AT_REST * at_rest);
-        if near < reach {
-            reach = near;
-            met = motion.first_within(pair, reach, met)?;
+        let reach = distance + margin.min(MARGIN_AT_REST * at_rest);
+        let start = points(self.from, ids);
+        let mut nearest = pair.nearest(&start);
+        if nearest.distance() > distance {
+            let motion = Motion::new(pair, start, points(self.to, ids));
+            let met = motion.first_within(pair, reach, (0.0, nearest))?;
+            nearest = motion.first_within(pair, distance, met).map_or_else(
+                || {
+                    let end = pair.nearest(&motion.at(1.0));
+                    if end.distance() <= reach { end } else { met.1 }
+                },
+                |(_, nearest)| nearest,
+            );
         }
-        met = motion.first_within(pair, distance, met).unwrap_or_else(|| {
-            let end = pair.nearest(&motion.at(1.0));
-            if end.distance() <= reach { (1.0, end) } else { met }
-        });
-        let nearest = met.1;
         (nearest.distance() > TOUCHING * thickness)
             .then(|| contact(ids, &nearest, distance, options.friction))
+    }
+
+    /// The distance at rest \[m\], if it may be less than `far`; else that or more.
+    fn at_rest(&self, pair: Pair, ids: [u32; 4], far: f64) -> f64 {
+        let x = points(self.rest, ids);
+        // Between two points of the pair, less what either primitive extends from there.
+        let extent =
+            |side: &[DVec3]| side.iter().map(|p| p.distance_squared(side[0])).fold(0.0, f64::max).sqrt();
+        let (one, other) = x.split_at(pair.first_side());
+        let bound = one[0].distance(other[0]) - extent(one) - extent(other);
+        if bound > far { bound } else { pair.nearest(&x).distance() }
+    }
+
+    /// Whether the points where the lines of two edges are nearest lie beyond the same end of one of them both at the start and at
+    /// the end: then others' ends are what is near.
+    pub(crate) fn is_beside(&self, ids: [u32; 4]) -> bool {
+        let [start, end] = [self.from, self.to].map(|all| nearest_of_lines(&points(all, ids)));
+        start.iter().zip(end).any(|(&start, end)| start.max(end) <= 0.0 || start.min(end) >= 1.0)
     }
 }
 
@@ -64,5 +81,43 @@ fn contact(particles: [u32; 4], nearest: &Nearest, distance: f64, friction: f32)
         velocity: Vec3::ZERO,
         distance: distance as f32,
         friction,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An edge along x above one along z that crosses x = `start` and then x = `end`.
+    #[test]
+    fn edges_that_pass_over_each_other_are_not_beside() {
+        let edges =
+            |x: f32| [[0.0, 0.1, 0.0], [1.0, 0.1, 0.0], [x, 0.0, -1.0], [x, 0.0, 1.0]].map(Vec3::from_array);
+        for (start, end, is_beside) in [
+            (0.5, 0.5, false),
+            (-0.1, -0.1, true),
+            (1.1, 1.2, true),
+            (-0.1, 0.1, false),
+            (0.9, 1.1, false),
+            (-0.1, 1.1, false),
+        ] {
+            let (from, to) = (edges(start), edges(end));
+            let frame = Frame { rest: &from, from: &from, to: &to };
+            assert_eq!(frame.is_beside([0, 1, 2, 3]), is_beside, "{start} {end}");
+            assert_eq!(frame.is_beside([2, 3, 0, 1]), is_beside, "{start} {end}");
+        }
+        let parallel = [Vec3::ZERO, Vec3::X, 2.0 * Vec3::X, 3.0 * Vec3::X];
+        let frame = Frame { rest: &parallel, from: &parallel, to: &parallel };
+        assert!(!frame.is_beside([0, 1, 2, 3]));
+    }
+
+    /// Neither the quick bound nor the exact distance at rest is ever taken for more than it is.
+    #[test]
+    fn far_at_rest_is_not_nearer_than_said() {
+        let rest = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.3, 0.0], [0.1, 0.3, 0.0]].map(Vec3::from_array);
+        let frame = Frame { rest: &rest, from: &rest, to: &rest };
+        let at_rest = |far: f64| frame.at_rest(Pair::EdgeEdge, [0, 1, 2, 3], far);
+        assert!((at_rest(0.2) - 0.3).abs() < 1e-6);
+        assert!((at_rest(0.05) - 0.1).abs() < 1e-6);
     }
 }

@@ -160,6 +160,16 @@ fn edge_edge(x: &[DVec3; 4]) -> Nearest {
     Nearest::of([1.0 - s, s, t - 1.0, -t], x)
 }
 
+/// Where on the lines through two edges their nearest points are, from 0 to 1 inside of the edge; not a number for parallel ones.
+pub(crate) fn nearest_of_lines(x: &[DVec3; 4]) -> [f64; 2] {
+    let &[a, b, c, d] = x;
+    let (u, v, r) = (b - a, d - c, a - c);
+    let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
+    let (ur, vr) = (u.dot(r), v.dot(r));
+    let inverse = (uu * vv - uv * uv).recip();
+    [(uv * vr - ur * vv) * inverse, (uu * vr - uv * ur) * inverse]
+}
+
 #[cfg(test)]
 mod tests {
     #![expect(clippy::cast_possible_truncation, reason = "rounded")]
