@@ -140,8 +140,10 @@ fn the_cpu_sees_what_it_advances() {
 
 #[test]
 fn bytes_are_known_before_a_device_is_asked() {
-    for (framework, iterations) in [(Framework::default(), 12), (Framework::PositionBased, 3)] {
-        let (solver, budget) = (Solver { framework, ..Solver::default() }, Budget::iterations(iterations));
+    let position_based = Solver { framework: Framework::PositionBased, ..Solver::default() };
+    let direct = Solver { relaxation: Relaxation::Direct, ..Solver::default() };
+    for (solver, iterations) in [(Solver::default(), 12), (position_based, 3), (direct, 2)] {
+        let budget = Budget::iterations(iterations);
         let bytes = device_bytes(&tablecloth(20), Path::new("."), solver, budget).unwrap();
         let mut simulation = Simulation::new_on(&tablecloth(20), solver, Backend::gpu().unwrap()).unwrap();
         for _ in 0..2 {

@@ -1,6 +1,7 @@
 //! Sparse Cholesky factors in `f64`, by faer: one thread, so the answer is always the same.
 
 use std::fmt;
+use std::ops::Range;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -11,7 +12,7 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Conj, MatMut, MatRef, Par, Side};
 
 use crate::SolverError;
 
@@ -51,6 +52,15 @@ impl fmt::Debug for Cholesky {
             .field("entries", &self.values.len())
             .finish()
     }
+}
+
+/// Columns that are eliminated together.
+#[derive(Debug, Clone)]
+pub(crate) struct Supernode {
+    /// The columns, and rows of the same numbers.
+    pub(crate) columns: Range<u32>,
+    /// The rows below that any of them has, ascending.
+    pub(crate) below: Vec<u32>,
 }
 
 /// L by columns.
@@ -143,23 +153,36 @@ impl Cholesky {
         }
     }
 
+    /// What is eliminated together, in order.
+    pub(crate) fn supernodes(&self) -> Vec<Supernode> {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return Vec::new() };
+        let ends = symbolic.supernode_begin().iter().zip(symbolic.supernode_end());
+        let all = ends.enumerate().map(|(s, (&begin, &end))| Supernode {
+            columns: begin..end,
+            below: symbolic.supernode(s).pattern().to_vec(),
+        });
+        all.collect()
+    }
+
+    /// The entries of each supernode: its own rows, then those below.
+    pub(crate) fn blocks(&self) -> Vec<MatRef<'_, f64>> {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return Vec::new() };
+        let factor = SupernodalLltRef::new(symbolic, &self.values);
+        (0..symbolic.n_supernodes()).map(|s| factor.supernode(s).val()).collect()
+    }
+
     /// L, without the zeros that only blocks need.
     pub(crate) fn columns(&self) -> Columns {
         let mut columns = Columns { order: self.order(), offsets: vec![0], ..Columns::default() };
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return columns };
-        let factor = SupernodalLltRef::new(symbolic, &self.values);
-        for s in 0..symbolic.n_supernodes() {
-            let block = factor.supernode(s);
-            let (start, matrix) = (block.start(), block.val());
-            // Both fit 32 bits, as all indices of the factor do.
-            let in_block = (0..).skip(start).take(matrix.ncols());
-            let numbers: Vec<u32> = in_block.chain(block.pattern().iter().copied()).collect();
-            for j in 0..matrix.ncols() {
-                columns.diagonal.push(matrix[(j, j)]);
-                for i in j + 1..matrix.nrows() {
-                    if matrix[(i, j)] != 0.0 {
+        for (supernode, block) in self.supernodes().iter().zip(self.blocks()) {
+            let numbers: Vec<u32> =
+                supernode.columns.clone().chain(supernode.below.iter().copied()).collect();
+            for j in 0..block.ncols() {
+                columns.diagonal.push(block[(j, j)]);
+                for i in j + 1..block.nrows() {
+                    if block[(i, j)] != 0.0 {
                         columns.rows.push(numbers[i]);
-                        columns.values.push(matrix[(i, j)]);
+                        columns.values.push(block[(i, j)]);
                     }
                 }
                 columns.offsets.push(u32::try_from(columns.rows.len()).unwrap_or(u32::MAX));

@@ -245,10 +245,8 @@ impl Solver {
             Relaxation::SymmetricChebyshev { rho: r } | Relaxation::ChebyshevGaussSeidel { rho: r, .. } => {
                 rho(r)
             }
-            Relaxation::ConjugateGradient { .. } | Relaxation::Direct
-                if self.framework == Framework::PositionBased =>
-            {
-                Err(SolverError::NotPositionBased { relaxation: self.relaxation.name() })
+            linear if linear.is_linear() && self.framework == Framework::PositionBased => {
+                Err(SolverError::NotPositionBased { relaxation: linear.name() })
             }
             Relaxation::ConjugateGradient { inner: 0, .. } => {
                 in_range("the number of conjugate gradient iterations", 0.0, false, "at least 1")
@@ -280,6 +278,11 @@ impl Relaxation {
             | Self::ConjugateGradient { .. }
             | Self::Direct => false,
         }
+    }
+
+    /// Whether it solves the linear system of a global step.
+    pub(crate) fn is_linear(&self) -> bool {
+        matches!(self, Self::ConjugateGradient { .. } | Self::Direct)
     }
 
     /// Whether it needs what [`Rho::Estimated`] stands for.

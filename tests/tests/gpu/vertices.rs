@@ -6,8 +6,8 @@ use vivace_cpu::Cpu;
 use vivace_gpu::Gpu;
 use vivace_kernels::constraint::Xpbd;
 use vivace_kernels::linear::{
-    AddScaled, AddScaledUniform, Divide, Dot, FindScalars, FindScalarsUniform, Multiply, Scalars, SumPairs,
-    Sweep, SweepUniform, Turn,
+    AddScaled, AddScaledUniform, Divide, Dot, FindScalars, FindScalarsUniform, Multiply, Pick, PickUniform,
+    Scalars, Substitute, SubstituteUniform, SumPairs, Sweep, SweepUniform, Turn,
 };
 use vivace_kernels::pd::{
     Anchor, FusedResidual, LinearResidual, MoveByBlock, MoveByDiagonal, Omega, RelaxFused, RelaxLinear, Row,
@@ -250,6 +250,9 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
     let n_sums = data.n.div_ceil(step::BLOCK);
     let sum = SumUniform { first: 3, n_sums, n_numbers: data.n };
     let sums = backend.range(3..3 + n_sums);
+    let places: Vec<u32> = (0..data.n).map(|i| (7 * i + 3) % (data.n + N_FIXED)).collect();
+    let places = backend.upload(&places);
+    let first = data.n / 3;
     Ok(vec![
         map!(Anchor, &(), (a, b), vectors),
         map!(FusedResidual, &(), (rows, taps, pulls, anchors, a), vectors),
@@ -260,6 +263,13 @@ fn all<B: Backend>(backend: &B, data: &Data) -> Result<Vec<(&'static str, Vec<f3
         map!(FindScalars, &FindScalarsUniform { stage: 1, ..find }, (pairs,), &data.scalars),
         map!(FindScalars, &FindScalarsUniform { stage: 2, ..find }, (pairs,), &data.scalars),
         map!(Multiply, &(), (rows, taps, anchors, a), vectors),
+        map!(Pick, &PickUniform { adds: 0 }, (backend.view(&places), a), vectors),
+        map!(Pick, &PickUniform { adds: 1 }, (backend.view(&places), a), vectors),
+        (Substitute::NAME, {
+            let (level, first) = (backend.range(first..data.n), SubstituteUniform { first });
+            let run = |own: &mut _| backend.update::<Substitute>(&level, &first, (rows, taps), own);
+            written(&on, vectors, run)?
+        }),
         map!(Turn, &(), (scalars, a), vectors),
         (Sweep::NAME, {
             // Members of a color, whose neighbors are others.

@@ -13,6 +13,8 @@ use vivace_model::{Forces, Model, State};
 
 use super::collide::Resists;
 use super::conjugate_gradient::ConjugateGradient;
+#[cfg(feature = "direct")]
+use super::direct::Direct;
 use super::history::History;
 use super::motion::Motion;
 use super::pass::{Pass, Passes};
@@ -76,9 +78,35 @@ pub(super) struct Frame<B: Backend> {
     groups: Vec<u32>,
     sums: Sums<B>,
     watch: Watch<B, Omega>,
-    conjugate_gradient: Option<ConjugateGradient<B>>,
+    linear: Option<Linear<B>>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
+}
+
+/// What solves `Y δ = r`.
+enum Linear<B: Backend> {
+    ConjugateGradient(ConjugateGradient<B>),
+    #[cfg(feature = "direct")]
+    Direct(Box<Direct<B>>),
+}
+
+impl<B: Backend> Linear<B> {
+    /// What `relaxation` asks for, if it is of the linear system.
+    fn of(
+        backend: &B,
+        relaxation: Relaxation,
+        rows: &Rows,
+        [n, n_free]: [u32; 2],
+    ) -> Result<Option<Self>, SolverError> {
+        Ok(match relaxation {
+            Relaxation::ConjugateGradient { .. } => {
+                Some(Self::ConjugateGradient(ConjugateGradient::new(backend, n, n_free)))
+            }
+            #[cfg(feature = "direct")]
+            Relaxation::Direct => Some(Self::Direct(Box::new(Direct::new(backend, rows, n_free)?))),
+            _ => None,
+        })
+    }
 }
 
 /// Where inertia and attachments pull the particles together.
@@ -118,10 +146,9 @@ impl<B: Backend + 'static> Frame<B> {
         solver: &Solver,
         colors: &[u32],
     ) -> Result<Self, SolverError> {
-        let is_linear_solver = matches!(solver.relaxation, Relaxation::ConjugateGradient { .. });
         let local = match solver.framework {
-            // It needs b apart.
-            _ if is_linear_solver => Local::Split { sweeps: 1 },
+            // What solves the linear system needs b apart.
+            _ if solver.relaxation.is_linear() => Local::Split { sweeps: 1 },
             Framework::ProjectiveDynamics { vertex: VertexSolve::Block, .. } => Local::Blocks,
             Framework::ProjectiveDynamics { local: LocalStep::Split { sweeps }, .. } => {
                 Local::Split { sweeps }
@@ -138,6 +165,7 @@ impl<B: Backend + 'static> Frame<B> {
         let rows = DeviceRows::new(backend, &rows_on_host);
         let passes = Passes::of(backend, model, &layout)?;
         let (n, n_free) = (narrow("particles", model.n_particles())?, narrow("particles", layout.n_free)?);
+        let linear = Linear::of(backend, solver.relaxation, &rows_on_host, [n, n_free])?;
         let groups: Vec<u32> = [n_free].into_iter().chain(passes.iter().map(|pass| pass.len())).collect();
         let vectors = |is_used: bool| backend.filled(if is_used { layout.n_free } else { 0 }, Vec4::ZERO);
         let is_split = matches!(local, Local::Split { .. });
@@ -169,7 +197,7 @@ impl<B: Backend + 'static> Frame<B> {
             sums: Sums::new(backend, &groups),
             groups,
             watch: Watch::new(backend),
-            conjugate_gradient: is_linear_solver.then(|| ConjugateGradient::new(backend, n, n_free)),
+            linear,
             failed: None,
             passes,
             layout,
@@ -345,13 +373,17 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
             let (weights, inverse) = (&mut self.anchor_weights, &mut self.inverse_diagonal);
             weigh(h, &self.masses, &self.attachments, &self.rows_on_host, &self.layout, (weights, inverse))?;
             self.rows.set_inverse_diagonal(backend, &self.inverse_diagonal);
+            #[cfg(feature = "direct")]
+            if let Some(Linear::Direct(direct)) = &mut self.linear {
+                direct.factor(backend, &self.rows_on_host, &self.anchor_weights)?;
+            }
             let anchors: Vec<Vec4> = self.anchor_weights.iter().map(|&w| Vec3::ZERO.extend(w)).collect();
             backend.write(&mut self.anchors.own, &anchors);
             self.h = h;
             self.are_targets_new = true;
             if let Some(contacts) = &mut self.motion.contacts {
                 // As on the host: blocks and linear solvers resist along a normal with little more than inertia.
-                let is_scalar = self.local != Local::Blocks && self.conjugate_gradient.is_none();
+                let is_scalar = self.local != Local::Blocks && self.linear.is_none();
                 let inertia = || self.anchor_weights.iter().map(|weight| 1.0 / weight).collect();
                 let mobility = if is_scalar { self.inverse_diagonal.clone() } else { inertia() };
                 contacts.set_mobility(backend, Resists::Vertex, mobility);
@@ -508,10 +540,19 @@ impl<B: Backend + 'static> Solve<B> for Frame<B> {
     fn solve_by_conjugate_gradient(&mut self, backend: &B, preconditioner: Preconditioner, inner: u32) {
         let free = self.free.clone();
         self.linear_residuals(backend, &free);
-        if let Some(solver) = &mut self.conjugate_gradient {
+        if let Some(Linear::ConjugateGradient(solver)) = &mut self.linear {
             let system = (&self.rows, self.anchors.seen(), &*self.colors);
             let (residuals, q) = (&mut self.residuals, &mut self.motion.q);
             solver.solve(backend, system, preconditioner, inner, residuals, q);
+        }
+    }
+
+    #[cfg(feature = "direct")]
+    fn solve_directly(&mut self, backend: &B) {
+        let free = self.free.clone();
+        self.linear_residuals(backend, &free);
+        if let Some(Linear::Direct(direct)) = &mut self.linear {
+            direct.solve(backend, &self.residuals, &mut self.motion.q);
         }
     }
 

@@ -13,6 +13,8 @@
 
 mod collide;
 mod conjugate_gradient;
+#[cfg(feature = "direct")]
+mod direct;
 mod frame;
 mod history;
 mod kind;
@@ -121,6 +123,7 @@ trait Solve<B: Backend>: Send {
     fn relax_in_order(&mut self, backend: &B, omega: f32);
     // Solvers of the linear system come to Projective Dynamics alone.
     fn solve_by_conjugate_gradient(&mut self, _: &B, _: Preconditioner, _: u32) {}
+    fn solve_directly(&mut self, _: &B) {}
     fn remember(&mut self, backend: &B);
     fn extrapolate(&mut self, backend: &B, omega: f32);
     fn moved(&mut self, backend: &B) -> f32;
@@ -185,17 +188,12 @@ impl<B: Backend> Debug for OnDevice<B> {
 /// # Errors
 /// Names it, and what to take in its place.
 fn check(solver: &Solver) -> Result<(), SolverError> {
-    let refused = |what, instead| Err(SolverError::NotOnDevice { what, instead });
-    if solver.framework == Framework::PositionBased {
-        return Ok(());
+    let is_position_based = solver.framework == Framework::PositionBased;
+    if !is_position_based && matches!(solver.relaxation, Relaxation::Lexicographic { .. }) {
+        let (what, instead) = ("the lexicographic sweep", "Gauss-Seidel, color by color");
+        return Err(SolverError::NotOnDevice { what, instead });
     }
-    match solver.relaxation {
-        Relaxation::Lexicographic { .. } => {
-            refused("the lexicographic sweep", "Gauss-Seidel, color by color")
-        }
-        Relaxation::Direct => refused("the direct solver", "conjugate gradients, Chebyshev or Gauss-Seidel"),
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 impl<B: Backend + Send + 'static> Engine for OnDevice<B> {
@@ -372,8 +370,9 @@ impl<B: Backend + 'static> Stages for Device<B> {
         self.frame.solve_by_conjugate_gradient(&self.backend, preconditioner, inner);
     }
 
-    // `check` does not let it come here.
-    fn solve_directly(&mut self) {}
+    fn solve_directly(&mut self) {
+        self.frame.solve_directly(&self.backend);
+    }
 
     fn meet(&mut self) {
         self.frame.meet(&self.backend);

@@ -35,23 +35,7 @@ impl Factor {
     /// # Errors
     /// Y is not positive definite in `f64`, or its factor has more entries than 32 bits can number.
     pub(crate) fn new(rows: &Rows, anchor_weights: &[f32]) -> Result<Self, SolverError> {
-        let n = rows.len();
-        let mut pattern = Pattern { offsets: vec![0], rows: Vec::new() };
-        let mut values = Vec::new();
-        let mut column = Vec::new();
-        for (j, number) in (0..n).zip(0_u32..) {
-            pattern.rows.push(number);
-            values.push(f64::from(rows.diagonal[j]) + f64::from(anchor_weights[j]));
-            let entries = rows.offsets[j] as usize..rows.offsets[j + 1] as usize;
-            column.clear();
-            column.extend(rows.columns[entries.clone()].iter().zip(&rows.weights[entries]));
-            // Pinned particles are numbered beyond the rows.
-            column.retain(|&(&i, _)| i > number && (i as usize) < n);
-            column.sort_unstable_by_key(|&(&i, _)| i);
-            pattern.rows.extend(column.iter().map(|(i, _)| **i));
-            values.extend(column.iter().map(|(_, weight)| -f64::from(**weight)));
-            pattern.offsets.push(u32::try_from(pattern.rows.len()).unwrap_or(u32::MAX));
-        }
+        let (pattern, values) = lower_triangle(rows, anchor_weights);
         let mut cholesky = Cholesky::new(pattern, 3, None)?;
         cholesky.factor(&values)?;
         let columns = cholesky.columns();
@@ -64,26 +48,10 @@ impl Factor {
             offsets: columns.offsets,
             entries: columns.rows.iter().zip(&columns.values).map(entry).collect(),
             inverse_diagonal,
-            work: vec![Vec4::ZERO; n],
+            work: vec![Vec4::ZERO; rows.len()],
         };
-        let left = factor.residual_of_a_solve(rows, anchor_weights);
-        if left < WORST_RESIDUAL {
-            Ok(factor)
-        } else {
-            Err(SolverError::Factor { reason: format!("in f32 a solve leaves {left:.0e} of its residual") })
-        }
-    }
-
-    /// What a solve leaves of a random right-hand side, ‖r − Y δ‖/‖r‖: the condition of Y times the rounding of `f32`.
-    fn residual_of_a_solve(&mut self, rows: &Rows, anchor_weights: &[f32]) -> f64 {
-        let random = |k: u32| (pcg(k) >> 8) as f32 / (1 << 23) as f32 - 1.0;
-        let r: Vec<Vec3> = (0_u32..)
-            .map(|i| Vec3::new(random(3 * i), random(3 * i + 1), random(3 * i + 2)))
-            .take(rows.len())
-            .collect();
-        let mut x = r.clone();
-        self.solve_in_place(&mut x);
-        rows.relative_residual(anchor_weights, &r, &x)
+        check(rows, anchor_weights, |x| factor.solve_in_place(x))?;
+        Ok(factor)
     }
 
     /// Makes x \[N\] the solution \[m\] of `Y δ = x`: forward and backward substitution, x, y and z at once.
@@ -115,6 +83,53 @@ impl Factor {
         for (work, &row) in work.iter().zip(&*order) {
             x[row as usize] = work.truncate();
         }
+    }
+}
+
+/// The lower triangle of Y, with `anchor_weights` \[N/m\] on its diagonal.
+pub(crate) fn lower_triangle(rows: &Rows, anchor_weights: &[f32]) -> (Pattern, Vec<f64>) {
+    let n = rows.len();
+    let mut pattern = Pattern { offsets: vec![0], rows: Vec::new() };
+    let mut values = Vec::new();
+    let mut column = Vec::new();
+    for (j, number) in (0..n).zip(0_u32..) {
+        pattern.rows.push(number);
+        values.push(f64::from(rows.diagonal[j]) + f64::from(anchor_weights[j]));
+        let entries = rows.offsets[j] as usize..rows.offsets[j + 1] as usize;
+        column.clear();
+        column.extend(rows.columns[entries.clone()].iter().zip(&rows.weights[entries]));
+        // Pinned particles are numbered beyond the rows.
+        column.retain(|&(&i, _)| i > number && (i as usize) < n);
+        column.sort_unstable_by_key(|&(&i, _)| i);
+        pattern.rows.extend(column.iter().map(|(i, _)| **i));
+        values.extend(column.iter().map(|(_, weight)| -f64::from(**weight)));
+        pattern.offsets.push(u32::try_from(pattern.rows.len()).unwrap_or(u32::MAX));
+    }
+    (pattern, values)
+}
+
+/// Whether `solve` makes a right-hand side the solution in `f32`. What it leaves of a random one, ‖r − Y δ‖/‖r‖, is the condition of Y times
+/// the rounding of `f32`.
+///
+/// # Errors
+/// It leaves too much for iterations of it to converge.
+pub(crate) fn check(
+    rows: &Rows,
+    anchor_weights: &[f32],
+    solve: impl FnOnce(&mut [Vec3]),
+) -> Result<(), SolverError> {
+    let random = |k: u32| (pcg(k) >> 8) as f32 / (1 << 23) as f32 - 1.0;
+    let r: Vec<Vec3> = (0_u32..)
+        .map(|i| Vec3::new(random(3 * i), random(3 * i + 1), random(3 * i + 2)))
+        .take(rows.len())
+        .collect();
+    let mut x = r.clone();
+    solve(&mut x);
+    let left = rows.relative_residual(anchor_weights, &r, &x);
+    if left < WORST_RESIDUAL {
+        Ok(())
+    } else {
+        Err(SolverError::Factor { reason: format!("in f32 a solve leaves {left:.0e} of its residual") })
     }
 }
 

@@ -7,7 +7,7 @@
 pub(crate) mod conjugate_gradient;
 mod contacts;
 #[cfg(feature = "direct")]
-mod direct;
+pub(crate) mod direct;
 mod islands;
 pub(crate) mod layout;
 pub(crate) mod pass;
@@ -140,12 +140,9 @@ impl ProjectiveDynamics {
     ) -> Result<Self, SolverError> {
         let is_direct = matches!(relaxation, Relaxation::Direct);
         // What solves the linear system needs b apart from the sweeps.
-        let is_linear_solver = is_direct || matches!(relaxation, Relaxation::ConjugateGradient { .. });
-        let (local, vertex) = if is_linear_solver {
-            (LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal)
-        } else {
-            (local, vertex)
-        };
+        let is_linear = relaxation.is_linear();
+        let (local, vertex) =
+            if is_linear { (LocalStep::Split { sweeps: 1 }, VertexSolve::Diagonal) } else { (local, vertex) };
         let graph = model.graph()?;
         let layout = Layout::new(model, &graph, colors)?;
         let rows = Rows::new(model, &graph, &layout);
@@ -171,7 +168,7 @@ impl ProjectiveDynamics {
             #[cfg(feature = "direct")]
             factor: None,
             is_direct,
-            is_linear: is_linear_solver,
+            is_linear,
             conjugate_gradient: conjugate_gradient::ConjugateGradient::default(),
             contacts: Touching::default(),
             islands: None,
