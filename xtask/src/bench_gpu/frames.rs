@@ -45,6 +45,9 @@ pub(super) fn table() -> Table {
     )
 }
 
+/// Constraints, about, of cloths that are solved directly: the paper's tablecloth, its heap.
+pub(super) const DIRECT: [usize; 2] = [60_000, 324_000];
+
 /// What is timed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Case {
@@ -54,31 +57,39 @@ pub(super) struct Case {
     pub(super) has_hinges: bool,
     /// Whether each frame colors anew, and who says how large its classes are.
     pub(super) recoloring: Option<Grids>,
+    /// Whether each iteration solves with a factor, in place of a sweep.
+    pub(super) is_direct: bool,
     /// Whether the cloth falls on a ball, and collides with it and with itself; else it hangs on two corners.
     pub(super) is_drape: bool,
 }
 
 /// The paper's heap of cloths: its constraints, recolored in every frame or not.
 pub(super) fn heap() -> [Case; 3] {
-    let case = |recoloring| Case { n_constraints: 324_000, has_hinges: true, recoloring, is_drape: false };
+    let case = |recoloring| Case { has_hinges: true, recoloring, ..Case::springs(324_000) };
     [None, Some(Grids::Indirect), Some(Grids::Bounds)].map(case)
 }
 
 impl Case {
     /// A cloth of springs that keeps its coloring.
     pub(super) fn springs(n_constraints: usize) -> Self {
-        Self { n_constraints, has_hinges: false, recoloring: None, is_drape: false }
+        Self { n_constraints, has_hinges: false, recoloring: None, is_direct: false, is_drape: false }
     }
 
     /// A cloth of springs and hinges with collisions.
     pub(super) fn drape(n_constraints: usize) -> Self {
-        Self { n_constraints, has_hinges: true, recoloring: None, is_drape: true }
+        Self { has_hinges: true, is_drape: true, ..Self::springs(n_constraints) }
+    }
+
+    /// A cloth of springs and hinges, by the direct solver.
+    pub(super) fn direct(n_constraints: usize) -> Self {
+        Self { has_hinges: true, is_direct: true, ..Self::springs(n_constraints) }
     }
 
     fn scene(self) -> &'static str {
-        match (self.is_drape, self.has_hinges) {
-            (true, _) => "falls on a ball, with collisions",
-            (_, true) => "springs and hinges",
+        match self {
+            Self { is_drape: true, .. } => "falls on a ball, with collisions",
+            Self { is_direct: true, .. } => "springs and hinges, direct solves",
+            Self { has_hinges: true, .. } => "springs and hinges",
             _ => "springs",
         }
     }
@@ -127,11 +138,12 @@ fn cloth(case: Case) -> Result<(Model, State), FigureError> {
     Ok(builder.build()?)
 }
 
-/// Plain sweeps, projections and all, with nobody looking in between.
-fn solver() -> Solver {
+/// Plain sweeps, projections and all, or a local step and a solve; with nobody looking in between.
+fn solver(case: Case) -> Solver {
+    let sweep = Relaxation::GaussSeidel { omega: 1.0, base: Base::Latest };
     Solver {
         framework: Framework::FUSED,
-        relaxation: Relaxation::GaussSeidel { omega: 1.0, base: Base::Latest },
+        relaxation: if case.is_direct { Relaxation::Direct } else { sweep },
         safeguard: false,
         ..Solver::default()
     }
@@ -148,7 +160,7 @@ fn system<B: Backend + Send + 'static>(
     case: Case,
     backend: B,
 ) -> Result<System, SolverError> {
-    let mut system = System::on(model.clone(), solver(), backend)?;
+    let mut system = System::on(model.clone(), solver(case), backend)?;
     case.collide(&mut system, state)?;
     system.set_recoloring(case.recoloring.map(|_| Vivace::DEFAULT))?;
     Ok(system)

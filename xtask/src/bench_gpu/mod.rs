@@ -93,7 +93,7 @@ pub fn run(options: &Options, progress: &mut Progress) -> Result<Finished, Bench
         .collect();
     let sizes = sizes(options, &gpu);
     let of_sizes = sizes.into_iter().flat_map(|n| [Case::springs(n), Case::drape(n)]);
-    let cases: Vec<Case> = of_sizes.chain(frames::heap()).collect();
+    let cases: Vec<Case> = of_sizes.chain(frames::heap()).chain(frames::DIRECT.map(Case::direct)).collect();
     progress.figure("bench-gpu", 2 + 2 * workloads.len() as u64 + cases.len() as u64);
     progress.step("dispatches");
     let dispatches = measure::dispatches()?;
