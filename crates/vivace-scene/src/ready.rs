@@ -241,7 +241,9 @@ pub fn pinch(n: usize) -> Scene {
     let keys =
         vec![key(0.9, Vec3::ZERO), key(1.5, Vec3::new(0.05, 0.4, 0.05)), key(2.3, Vec3::new(0.6, 0.45, 0.2))];
     if let Some(cloth) = scene.bodies.last_mut() {
-        let (min, max) = (middle - 1.1 * spacing, middle + 1.1 * spacing);
+        // A hand's breadth: of a point the folds are finer than the mesh.
+        let half = (1.1 * spacing).max(0.05);
+        let (min, max) = (middle - half, middle + half);
         cloth.drags = vec![Drag {
             select: Select::Box { min, max },
             hold: Hold::Spring(200.0),
