@@ -12,10 +12,8 @@ use vivace_kernels::step::{CopyVector, ExtrapolateUniform, SquaredDistance, Squa
 use vivace_model::{Forces, Model, State};
 
 use super::collide::Resists;
-use super::conjugate_gradient::ConjugateGradient;
-#[cfg(feature = "direct")]
-use super::direct::Direct;
 use super::history::History;
+use super::linear::Linear;
 use super::motion::Motion;
 use super::pass::{Pass, Passes};
 use super::recolor::Recolor;
@@ -81,32 +79,6 @@ pub(super) struct Frame<B: Backend> {
     linear: Option<Linear<B>>,
     /// What the device could not do in this frame.
     failed: Option<SolverError>,
-}
-
-/// What solves `Y δ = r`.
-enum Linear<B: Backend> {
-    ConjugateGradient(ConjugateGradient<B>),
-    #[cfg(feature = "direct")]
-    Direct(Box<Direct<B>>),
-}
-
-impl<B: Backend> Linear<B> {
-    /// What `relaxation` asks for, if it is of the linear system.
-    fn of(
-        backend: &B,
-        relaxation: Relaxation,
-        rows: &Rows,
-        [n, n_free]: [u32; 2],
-    ) -> Result<Option<Self>, SolverError> {
-        Ok(match relaxation {
-            Relaxation::ConjugateGradient { .. } => {
-                Some(Self::ConjugateGradient(ConjugateGradient::new(backend, n, n_free)))
-            }
-            #[cfg(feature = "direct")]
-            Relaxation::Direct => Some(Self::Direct(Box::new(Direct::new(backend, rows, n_free)?))),
-            _ => None,
-        })
-    }
 }
 
 /// Where inertia and attachments pull the particles together.

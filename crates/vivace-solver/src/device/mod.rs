@@ -9,7 +9,8 @@
 //!
 //! In Projective Dynamics a color is a range of particles and one dispatch; constraints that are neither springs nor flat hinges add
 //! one for each of their kinds, if projections are fused, and blocks two more. In Position Based Dynamics a color is a range of the
-//! constraints of each kind, and a dispatch for each kind that has some of it.
+//! constraints of each kind, and a dispatch for each kind that has some of it. What solves the linear system of a global step
+//! (`linear.rs`) is conjugate gradients, or a factor: a dispatch for each level of its tree.
 
 mod collide;
 mod conjugate_gradient;
@@ -18,6 +19,7 @@ mod direct;
 mod frame;
 mod history;
 mod kind;
+mod linear;
 mod motion;
 mod pass;
 mod position_based;
