@@ -111,9 +111,9 @@ mod tests {
         assert!(!frame.is_beside([0, 1, 2, 3]));
     }
 
-    /// Neither the quick bound nor the exact distance at rest is ever taken for more than it is.
+    /// What is asked for decides between the exact distance and a bound that is less.
     #[test]
-    fn far_at_rest_is_not_nearer_than_said() {
+    fn the_distance_at_rest_is_exact_unless_it_is_far() {
         let rest = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.3, 0.0], [0.1, 0.3, 0.0]].map(Vec3::from_array);
         let frame = Frame { rest: &rest, from: &rest, to: &rest };
         let at_rest = |far: f64| frame.at_rest(Pair::EdgeEdge, [0, 1, 2, 3], far);

@@ -147,10 +147,7 @@ fn ratio(numerator: f64, denominator: f64) -> f64 {
 /// The nearest points of the lines, brought back into the segments one after the other (Ericson 2005, 5.1.9). However nearly
 /// parallel, the second is the nearest to the first, so an error of the first costs its product with the angle.
 fn edge_edge(x: &[DVec3; 4]) -> Nearest {
-    let &[a, b, c, d] = x;
-    let (u, v, r) = (b - a, d - c, a - c);
-    let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
-    let (ur, vr) = (u.dot(r), v.dot(r));
+    let [uu, vv, uv, ur, vr] = products(x);
     let mut s = ratio(uv * vr - ur * vv, uu * vv - uv * uv);
     let mut t = if vv > 0.0 { (uv * s + vr) / vv } else { 0.0 };
     if vv <= 0.0 || !(0.0..=1.0).contains(&t) {
@@ -160,12 +157,16 @@ fn edge_edge(x: &[DVec3; 4]) -> Nearest {
     Nearest::of([1.0 - s, s, t - 1.0, -t], x)
 }
 
-/// Where on the lines through two edges their nearest points are, from 0 to 1 inside of the edge; not a number for parallel ones.
-pub(crate) fn nearest_of_lines(x: &[DVec3; 4]) -> [f64; 2] {
+/// Dot products of two edges u and v, and of each with what leads from the start of v to that of u: uu, vv, uv, ur, vr.
+fn products(x: &[DVec3; 4]) -> [f64; 5] {
     let &[a, b, c, d] = x;
     let (u, v, r) = (b - a, d - c, a - c);
-    let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
-    let (ur, vr) = (u.dot(r), v.dot(r));
+    [u.length_squared(), v.length_squared(), u.dot(v), u.dot(r), v.dot(r)]
+}
+
+/// Where on the lines through two edges their nearest points are, from 0 to 1 inside of the edge; not a number for parallel ones.
+pub(crate) fn nearest_of_lines(x: &[DVec3; 4]) -> [f64; 2] {
+    let [uu, vv, uv, ur, vr] = products(x);
     let inverse = (uu * vv - uv * uv).recip();
     [(uv * vr - ur * vv) * inverse, (uu * vr - uv * ur) * inverse]
 }
